@@ -1,0 +1,31 @@
+# Helpers that give every target of the project the same warnings and flags.
+
+function(structnerf_compile_options target)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Werror)
+  target_include_directories(${target} PUBLIC ${PROJECT_SOURCE_DIR})
+  if(STRUCTNERF_SANITIZE)
+    target_compile_options(${target} PRIVATE
+      -fsanitize=${STRUCTNERF_SANITIZE} -fno-omit-frame-pointer)
+    target_link_options(${target} PUBLIC -fsanitize=${STRUCTNERF_SANITIZE})
+  endif()
+endfunction()
+
+# structnerf_library(name SOURCES ... PUBLIC_LIBS ... PRIVATE_LIBS ...)
+function(structnerf_library name)
+  cmake_parse_arguments(arg "" "" "SOURCES;PUBLIC_LIBS;PRIVATE_LIBS" ${ARGN})
+  add_library(${name} STATIC ${arg_SOURCES})
+  target_link_libraries(${name} PUBLIC ${arg_PUBLIC_LIBS}
+                                PRIVATE ${arg_PRIVATE_LIBS})
+  structnerf_compile_options(${name})
+endfunction()
+
+# structnerf_test(path/x_test.cc libraries...): a GoogleTest program whose ctest
+# name is its path below tests/ without the suffix.
+function(structnerf_test source)
+  string(REGEX REPLACE "\\.cc$" "" name ${source})
+  string(REPLACE "/" "_" target ${name})
+  add_executable(${target} ${source})
+  target_link_libraries(${target} PRIVATE ${ARGN} GTest::gtest_main GTest::gmock)
+  structnerf_compile_options(${target})
+  add_test(NAME ${name} COMMAND ${target})
+endfunction()

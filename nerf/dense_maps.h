@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace structnerf {
+
+// Depth, normal and colour of one view, at the size of `View::camera`.
+//
+// Pixel convention: the value at (col, row) belongs to the ray through the
+// image point (col, row), not through the pixel's centre. COLMAP's PatchMatch
+// and fusion back-project pixels this way, so fused points are exact.
+struct DenseMaps {
+  int width = 0;
+  int height = 0;
+
+  // z in the camera frame, world units; 0 = no value. Row-major.
+  std::vector<float> depth;
+
+  // Unit normals in the camera frame, facing the camera (dot(normal, ray) < 0);
+  // (0, 0, 0) where there is no depth. Three planes x, y, z of width * height.
+  std::vector<float> normal;
+
+  // Standard deviation of the ray's termination depth divided by its depth;
+  // small = certain. Row-major.
+  std::vector<float> relative_std;
+
+  // Rendered colour, interleaved RGB.
+  std::vector<uint8_t> rgb;
+};
+
+// For every pixel of a view the other views that confirm its depth.
+struct ConsistencyRecord {
+  int col = 0;
+  int row = 0;
+  std::vector<int> view_idxs;  // into Scene::views, ascending
+};
+
+}  // namespace structnerf

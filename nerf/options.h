@@ -1,0 +1,152 @@
+#pragma once
+
+#include <string>
+
+namespace structnerf {
+
+// Options of one stage each. All fields are bool, int, double or std::string so
+// that COLMAP's option manager can register them. Each Check() returns false
+// and says in `error` which field is wrong and what is allowed.
+
+// The radiance field: a multi-resolution hash grid (Mueller et al. 2022)
+// decoded by small networks.
+struct FieldOptions {
+  // Number of grid levels, each with 8 features per entry.
+  int num_levels = 4;
+
+  // Binary logarithm of the most entries a level may have. Beyond it, grid
+  // vertices share entries by hashing.
+  int log2_table_size = 17;
+
+  // Cells along the longest side of the scene box at the coarsest level.
+  int min_resolution = 16;
+
+  // Cells along the longest side at the finest level.
+  int max_resolution = 768;
+
+  // Width of the hidden layers: 16, 32, 48 or 64.
+  int hidden_width = 32;
+
+  bool Check(std::string* error) const;
+};
+
+// Where rays are sampled.
+struct SamplingOptions {
+  // Bins in which the cached density is read along each ray.
+  int num_bins = 96;
+
+  // Samples per ray at which the field is evaluated.
+  int num_samples = 16;
+
+  // Cells of the density cache along the longest side of the scene box.
+  int cache_resolution = 128;
+
+  // Steps between refreshes of a part of the density cache.
+  int cache_interval = 16;
+
+  // Factor on a cell's cached density at each refresh, in (0, 1].
+  double cache_decay = 0.95;
+
+  bool Check(std::string* error) const;
+};
+
+// Terms of the objective. The paper's weights (0.025 patch, 0.025 planar, 0.05
+// sparse) belong to 100 k steps and to losses that depend on the scene's scale;
+// ours are free of scale and balanced for some thousand steps.
+struct LossOptions {
+  double color_weight = 1.0;
+
+  // Patch photometric consistency with source views (paper, eq. 7-9).
+  double patch_weight = 1.0;
+
+  // Share of SSIM, the rest is L1 (paper: 0.85).
+  double patch_ssim_share = 0.85;
+
+  // Taps per patch side minus one, halved, and their distance in pixels of the
+  // training image (paper: 1 and 2, i.e. 3x3 taps at offsets -2, 0, 2).
+  int patch_radius = 1;
+  int patch_dilation = 2;
+
+  // Source views per view, and how many of them (those that fit best) count at
+  // a pixel. The others are taken to be occluded.
+  int num_sources = 8;
+  int num_best_sources = 4;
+
+  // Coplanarity of pixels of one superpixel (paper, eq. 11).
+  double planar_weight = 0.1;
+
+  // Area in pixels of the full-size image above which a superpixel is taken
+  // for a plane (paper: 1000 at 0.29 megapixels).
+  int planar_min_area = 1000;
+
+  // Depth of the sparse points (paper, eq. 12-13).
+  double sparse_weight = 1.0;
+
+  // Share of the training after which the sparse term ends (paper: 0.5).
+  double sparse_fraction = 0.5;
+
+  // Depth interpolated from the sparse points of a view, for every pixel: the
+  // weight at the start, falling linearly to zero at a share of the training.
+  double prior_weight = 0.1;
+  double prior_fraction = 0.3;
+
+  bool Check(std::string* error) const;
+};
+
+struct TrainingOptions {
+  int num_steps = 1500;
+
+  int rays_per_step = 1024;
+
+  // Longest side of the images that are trained on, in pixels.
+  int max_image_size = 320;
+
+  // Peak learning rate of Adam for grid and networks. It falls
+  // exponentially to `final_learning_rate_factor` of itself.
+  double grid_learning_rate = 2e-2;
+  double network_learning_rate = 4e-3;
+  double final_learning_rate_factor = 0.1;
+
+  // Every how many views one is kept out of training to measure PSNR; 0 = none.
+  int test_every = 0;
+
+  // -1 = all cores.
+  int num_threads = -1;
+
+  int seed = 0;
+
+  bool Check(std::string* error) const;
+};
+
+// From the trained field to depth maps.
+struct ExtractionOptions {
+  // Pixels whose ray terminates less sharply are given no depth: largest
+  // standard deviation of depth divided by depth.
+  double max_relative_std = 0.5;
+
+  // A view confirms a pixel if its own depth there agrees within this relative
+  // difference and the pixel comes back within so many pixels.
+  double max_relative_depth_error = 0.02;
+  double max_reprojection_error = 2.0;
+
+  // Views that must confirm a pixel for the geometric maps.
+  int min_num_consistent = 2;
+
+  bool Check(std::string* error) const;
+};
+
+struct ReconstructionOptions {
+  FieldOptions field;
+  SamplingOptions sampling;
+  LossOptions loss;
+  TrainingOptions training;
+  ExtractionOptions extraction;
+
+  bool Check(std::string* error) const;
+};
+
+// The options of one of COLMAP's quality words: "low", "medium", "high" or
+// "extreme". Throws std::invalid_argument, listing them, for any other.
+ReconstructionOptions QualityPreset(const std::string& quality);
+
+}  // namespace structnerf

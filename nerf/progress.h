@@ -1,0 +1,36 @@
+#pragma once
+
+#include <string>
+
+namespace structnerf {
+
+// What long work tells the one who waits for it.
+struct ProgressUpdate {
+  std::string stage;            // e.g. "Training"
+  double fraction = 0;          // of this stage, in [0, 1]
+  double seconds_left = -1;     // of this stage; -1 = not known yet
+  double loss = -1;             // total training loss; -1 = none
+  double held_out_psnr = -1;    // dB; -1 = none
+};
+
+// Passed down into long work. The default implementation is silent and never
+// stops. Both functions are called from the thread that runs the work.
+class Progress {
+ public:
+  virtual ~Progress() = default;
+
+  virtual void Report(const ProgressUpdate& update);
+
+  // Polled at least every 200 ms. Once true, training ends with what it has
+  // learned and later stages still run, unless ShouldAbort() is true as well.
+  virtual bool ShouldStop();
+
+  // Polled as often. Once true, the work ends as soon as possible by throwing
+  // Aborted.
+  virtual bool ShouldAbort();
+};
+
+// Thrown by work that was told to abort.
+struct Aborted {};
+
+}  // namespace structnerf

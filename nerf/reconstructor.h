@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "nerf/dense_maps.h"
+#include "nerf/options.h"
+#include "nerf/progress.h"
+#include "nerf/scene.h"
+
+namespace structnerf {
+
+// What training did, for the report.
+struct TrainingSummary {
+  int num_steps = 0;           // done
+  bool stopped_early = false;  // asked to by Progress
+  double final_loss = -1;
+  double held_out_psnr = -1;   // dB; -1 = no view was held out
+  double seconds = 0;          // wall time
+  size_t num_rays = 0;
+  size_t num_samples = 0;      // evaluations of the field with gradient
+  size_t num_parameters = 0;
+
+  // How often each guard of the numerics acted, by name.
+  std::map<std::string, int> guard_counts;
+};
+
+// Facade of the method: trains a radiance field on a scene and renders dense
+// maps from it. Errors are thrown as std::exception with one clear sentence.
+class Reconstructor {
+ public:
+  // Bytes that a run will need at its peak, without having loaded anything:
+  // `num_views` views of `width` x `height` (camera size, the largest).
+  static size_t EstimateMemory(const ReconstructionOptions& options,
+                               size_t num_views,
+                               size_t width,
+                               size_t height);
+
+  // Throws std::invalid_argument if the scene or the options are wrong.
+  Reconstructor(Scene scene, const ReconstructionOptions& options);
+  ~Reconstructor();
+
+  // Sentences about the scene that the user should know, e.g. views without
+  // sparse points. Known after construction.
+  const std::vector<std::string>& Warnings() const;
+
+  // Trains until the options' steps are done or `progress` asks to stop.
+  // Throws Aborted if told to abort.
+  void Train(Progress* progress);
+
+  // Depth, normals and colour of one view from what has been learned so far.
+  DenseMaps RenderView(size_t view_idx, Progress* progress) const;
+
+  // Source views chosen for each view, best first (indices into the views).
+  const std::vector<std::vector<int>>& SourceViews() const;
+
+  const TrainingSummary& Summary() const;
+
+  // The trained field in one checksummed file, written beside and renamed.
+  // LoadField throws std::runtime_error if the file is damaged or belongs to
+  // other field options or another scene box.
+  void SaveField(const std::string& path) const;
+  void LoadField(const std::string& path);
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+// Views that confirm each pixel's depth (forward-backward reprojection, within
+// the limits of `options`), for one view given the maps of all.
+std::vector<ConsistencyRecord> FindConsistentPixels(
+    const Scene& scene,
+    const std::vector<DenseMaps>& maps,
+    size_t view_idx,
+    const std::vector<int>& source_view_idxs,
+    const ExtractionOptions& options);
+
+}  // namespace structnerf
