@@ -6,11 +6,11 @@ namespace structnerf {
 
 // What long work tells the one who waits for it.
 struct ProgressUpdate {
-  std::string stage;            // e.g. "Training"
-  double fraction = 0;          // of this stage, in [0, 1]
-  double seconds_left = -1;     // of this stage; -1 = not known yet
-  double loss = -1;             // total training loss; -1 = none
-  double held_out_psnr = -1;    // dB; -1 = none
+  std::string stage;          // e.g. "Training"
+  double fraction = 0;        // of this stage, in [0, 1]
+  double seconds_left = -1;   // of this stage; -1 = not known yet
+  double loss = -1;           // total training loss; -1 = none
+  double held_out_psnr = -1;  // dB; -1 = none
 };
 
 // Passed down into long work. The default implementation is silent and never

@@ -1,15 +1,15 @@
 #pragma once
 
+#include "nerf/dense_maps.h"
+#include "nerf/options.h"
+#include "nerf/progress.h"
+#include "nerf/scene.h"
+
 #include <cstddef>
 #include <map>
 #include <memory>
 #include <string>
 #include <vector>
-
-#include "nerf/dense_maps.h"
-#include "nerf/options.h"
-#include "nerf/progress.h"
-#include "nerf/scene.h"
 
 namespace structnerf {
 
@@ -18,10 +18,10 @@ struct TrainingSummary {
   int num_steps = 0;           // done
   bool stopped_early = false;  // asked to by Progress
   double final_loss = -1;
-  double held_out_psnr = -1;   // dB; -1 = no view was held out
-  double seconds = 0;          // wall time
+  double held_out_psnr = -1;  // dB; -1 = no view was held out
+  double seconds = 0;         // wall time
   size_t num_rays = 0;
-  size_t num_samples = 0;      // evaluations of the field with gradient
+  size_t num_samples = 0;  // evaluations of the field with gradient
   size_t num_parameters = 0;
 
   // How often each guard of the numerics acted, by name.

@@ -37,7 +37,8 @@ struct View {
   // Camera of the undistorted photograph; the maps of this view have its size.
   PinholeCamera camera;
 
-  // x_in_cam = cam_from_world_rotation * x_in_world + cam_from_world_translation
+  // x_in_cam = cam_from_world_rotation * x_in_world +
+  // cam_from_world_translation
   Eigen::Matrix3d cam_from_world_rotation = Eigen::Matrix3d::Identity();
   Eigen::Vector3d cam_from_world_translation = Eigen::Vector3d::Zero();
 

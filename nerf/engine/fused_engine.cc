@@ -1,0 +1,610 @@
+#include "nerf/engine/fused_network.h"
+#include "nerf/engine/render_engine.h"
+#include "nerf/engine/tile_sampling.h"
+#include "nerf/kernels/adam.h"
+#include "nerf/kernels/compositing.h"
+#include "nerf/kernels/grid_encoding.h"
+#include "nerf/kernels/half_precision.h"
+#include "nerf/util/aligned_buffer.h"
+#include "nerf/util/thread_pool.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include <hwy/base.h>
+
+namespace structnerf {
+namespace {
+
+// Samples whose grid corners are computed at a time; the corners of one level
+// then stay in the first-level cache.
+constexpr size_t kCornerChunk = 128;
+
+// Cells of the density cache that are evaluated per refresh, and per task.
+constexpr size_t kRefreshCells = size_t{1} << 16;
+constexpr size_t kRefreshChunk = 512;
+
+// Corners of a chunk of samples at one level.
+struct CornerBuffer {
+  alignas(64) uint32_t entries[8 * kCornerChunk];
+  alignas(64) float weights[8 * kCornerChunk];
+};
+
+// One level of the table with everything its update needs.
+struct LevelStorage {
+  AlignedBuffer<hwy::float16_t> table;  // what rays read
+  AlignedBuffer<GridEntryState> state;  // what Adam updates
+  AlignedBuffer<float> gradient;
+  AlignedBuffer<uint64_t> touched_blocks;
+};
+
+// What one thread needs to render a tile, allocated once.
+struct TileBuffers {
+  TileBuffers(const FieldLayout& layout, const size_t num_samples)
+      : network(layout, kMaxTileRays * num_samples),
+        edges(kMaxTileRays * (num_samples + 1)),
+        position{AlignedBuffer<float>(kMaxTileRays * num_samples + 16),
+                 AlignedBuffer<float>(kMaxTileRays * num_samples + 16),
+                 AlignedBuffer<float>(kMaxTileRays * num_samples + 16)},
+        tau(kMaxTileRays * num_samples),
+        transmittance(kMaxTileRays * num_samples),
+        weight(kMaxTileRays * num_samples),
+        z(kMaxTileRays * num_samples),
+        d_weight_color(kMaxTileRays * num_samples),
+        active(kMaxTileRays * num_samples),
+        direction(kMaxTileRays * kDirectionWidth) {}
+
+  FusedNetwork::Buffers network;
+  AlignedBuffer<float> edges;
+  AlignedBuffer<float> position[3];
+  AlignedBuffer<float> tau;
+  AlignedBuffer<float> transmittance;
+  AlignedBuffer<float> weight;
+  AlignedBuffer<float> z;
+  AlignedBuffer<float> d_weight_color;
+  AlignedBuffer<uint32_t> active;  // samples whose colour is evaluated
+  AlignedBuffer<float> direction;  // rays x kDirectionWidth
+  CornerBuffer corners;
+};
+
+class FusedEngine : public RenderEngine {
+ public:
+  explicit FusedEngine(const EngineOptions& options)
+      : options_(options),
+        layout_(options.field, options.extent),
+        network_(layout_),
+        cache_(options.sampling.cache_resolution,
+               options.extent,
+               options.initial_density),
+        pool_(options.num_threads) {
+    sampling_.num_bins = options.sampling.num_bins;
+    sampling_.num_samples = options.sampling.num_samples;
+    for (int i = 0; i < pool_.NumThreads(); ++i) {
+      buffers_.push_back(
+          std::make_unique<TileBuffers>(layout_, sampling_.num_samples));
+    }
+    for (const GridLevel& level : layout_.levels) {
+      const size_t num_entries = (level.num_entries + 7) / 8 * 8;
+      LevelStorage storage;
+      storage.table.Allocate(num_entries * kGridFeatures);
+      storage.state.Allocate(num_entries);
+      storage.gradient.Allocate(num_entries * kGridFeatures);
+      storage.touched_blocks.Allocate(num_entries / 512 + 1);
+      levels_.push_back(std::move(storage));
+    }
+    network_gradient_.Allocate(layout_.num_network_parameters);
+    network_first_moment_.Allocate(layout_.num_network_parameters);
+    network_second_moment_.Allocate(layout_.num_network_parameters);
+    SetParameters(
+        InitialParameters(layout_, options.initial_density, options.seed));
+  }
+
+  const FieldLayout& Layout() const override { return layout_; }
+
+  int NumThreads() const override { return pool_.NumThreads(); }
+
+  LossValues Accumulate(
+      const StepParameters& step,
+      const std::vector<std::unique_ptr<TileObjective>>& objectives) override {
+    level_weights_ = step.level_weights;
+    ReserveTiles(step.num_tiles);
+    pool_.ParallelFor(step.num_tiles, [&](const size_t tile, const int thread) {
+      AccumulateTile(
+          step, static_cast<int>(tile), objectives[thread].get(), thread);
+    });
+    LossValues losses = {};
+    for (int tile = 0; tile < step.num_tiles; ++tile) {
+      for (size_t term = 0; term < losses.size(); ++term) {
+        losses[term] += tile_losses_[tile][term];
+      }
+      const float* const gradient = tile_network_gradients_.data() +
+                                    tile * layout_.num_network_parameters;
+      for (size_t i = 0; i < layout_.num_network_parameters; ++i) {
+        network_gradient_[i] += gradient[i];
+      }
+    }
+    ForEachTableRange([&](const size_t level,
+                          const uint32_t entry_begin,
+                          const uint32_t entry_end,
+                          const int thread) {
+      ScatterRange(step, level, entry_begin, entry_end, thread);
+    });
+    return losses;
+  }
+
+  bool Update(const float grid_learning_rate,
+              const float network_learning_rate) override {
+    ++num_updates_;
+    AdamStep step;
+    // Bias correction for parameters that are updated in every step. Entries of
+    // the grid that are touched less often need none: with these betas their
+    // first update has the size of the learning rate as it is.
+    const double correction1 = 1 - std::pow(step.beta1, num_updates_);
+    const double correction2 = 1 - std::pow(step.beta2, num_updates_);
+    std::vector<char> is_finite(levels_.size() * NumRangesPerLevel(), true);
+    step.learning_rate = grid_learning_rate;
+    ForEachTableRange([&](const size_t level,
+                          const uint32_t entry_begin,
+                          const uint32_t entry_end,
+                          const int) {
+      LevelStorage& storage = levels_[level];
+      if (!AdamUpdateGrid(step,
+                          entry_begin / 8,
+                          entry_end / 8,
+                          storage.touched_blocks.data(),
+                          storage.gradient.data(),
+                          storage.state.data(),
+                          storage.table.data())) {
+        is_finite[level * NumRangesPerLevel() +
+                  entry_begin / EntriesPerRange(level)] = false;
+      }
+    });
+    bool all_finite = std::all_of(
+        is_finite.begin(), is_finite.end(), [](const char f) { return f; });
+    bool network_finite = true;
+    for (size_t i = 0; i < layout_.num_network_parameters; ++i) {
+      network_finite &= std::isfinite(network_gradient_[i]);
+    }
+    if (network_finite) {
+      step.learning_rate = static_cast<float>(
+          network_learning_rate * std::sqrt(correction2) / correction1);
+      AdamUpdate(step,
+                 layout_.num_network_parameters,
+                 network_gradient_.data(),
+                 network_first_moment_.data(),
+                 network_second_moment_.data(),
+                 network_values_.data());
+      network_.SetParameters(network_values_.data());
+    }
+    std::fill(network_gradient_.data(),
+              network_gradient_.data() + network_gradient_.size(),
+              0.0f);
+    return all_finite && network_finite;
+  }
+
+  void RefreshDensityCache(const float decay) override {
+    const size_t count = std::min(kRefreshCells, cache_.NumCells());
+    for (AlignedBuffer<float>& position : refresh_position_) {
+      if (position.size() < count + 16) {
+        position.Allocate(count + 16);
+      }
+    }
+    refresh_density_.resize(count);
+    cache_.NextPoints(count,
+                      refresh_position_[0].data(),
+                      refresh_position_[1].data(),
+                      refresh_position_[2].data());
+    const size_t chunk_size =
+        std::min<size_t>(kRefreshChunk, kMaxTileRays * sampling_.num_samples);
+    pool_.ParallelFor((count + chunk_size - 1) / chunk_size,
+                      [&](const size_t chunk, const int thread) {
+                        const size_t begin = chunk * chunk_size;
+                        const size_t size = std::min(chunk_size, count - begin);
+                        TileBuffers& buffers = *buffers_[thread];
+                        EncodePositions(refresh_position_[0].data() + begin,
+                                        refresh_position_[1].data() + begin,
+                                        refresh_position_[2].data() + begin,
+                                        size,
+                                        &buffers);
+                        network_.ForwardDensity(size, &buffers.network);
+                        for (size_t i = 0; i < size; ++i) {
+                          refresh_density_[begin + i] =
+                              buffers.network.geometry[i * kGeometryWidth];
+                        }
+                      });
+    cache_.Update(refresh_density_.data(), count, decay);
+  }
+
+  void Render(const std::vector<RayTile>& tiles,
+              const bool with_color,
+              std::vector<RayOutputs>* outputs) override {
+    outputs->resize(tiles.size());
+    pool_.ParallelFor(tiles.size(), [&](const size_t tile, const int thread) {
+      TileBuffers& buffers = *buffers_[thread];
+      ForwardTile(
+          tiles[tile], nullptr, with_color, &buffers, &(*outputs)[tile]);
+    });
+  }
+
+  FieldParameters Parameters() const override {
+    FieldParameters parameters;
+    parameters.grid.resize(layout_.num_grid_entries * kGridFeatures);
+    for (size_t level = 0; level < levels_.size(); ++level) {
+      float* const values = parameters.grid.data() +
+                            layout_.levels[level].first_entry * kGridFeatures;
+      for (size_t entry = 0; entry < levels_[level].state.size(); ++entry) {
+        std::memcpy(values + entry * kGridFeatures,
+                    levels_[level].state[entry].value,
+                    kGridFeatures * sizeof(float));
+      }
+    }
+    parameters.network.assign(network_values_.data(),
+                              network_values_.data() + network_values_.size());
+    return parameters;
+  }
+
+  void SetParameters(const FieldParameters& parameters) override {
+    for (size_t level = 0; level < levels_.size(); ++level) {
+      const float* const values =
+          parameters.grid.data() +
+          layout_.levels[level].first_entry * kGridFeatures;
+      LevelStorage& storage = levels_[level];
+      for (size_t entry = 0; entry < storage.state.size(); ++entry) {
+        std::memcpy(storage.state[entry].value,
+                    values + entry * kGridFeatures,
+                    kGridFeatures * sizeof(float));
+      }
+      HalfFromFloat(values, storage.table.size(), storage.table.data());
+    }
+    network_values_.Allocate(layout_.num_network_parameters);
+    std::copy(parameters.network.begin(),
+              parameters.network.end(),
+              network_values_.data());
+    network_.SetParameters(network_values_.data());
+  }
+
+  FieldParameters Gradients() const override {
+    FieldParameters gradients;
+    gradients.grid.resize(layout_.num_grid_entries * kGridFeatures);
+    for (size_t level = 0; level < levels_.size(); ++level) {
+      std::copy(levels_[level].gradient.data(),
+                levels_[level].gradient.data() + levels_[level].gradient.size(),
+                gradients.grid.begin() +
+                    layout_.levels[level].first_entry * kGridFeatures);
+    }
+    gradients.network.assign(
+        network_gradient_.data(),
+        network_gradient_.data() + network_gradient_.size());
+    return gradients;
+  }
+
+ private:
+  size_t TileSamples() const { return kMaxTileRays * sampling_.num_samples; }
+
+  void ReserveTiles(const int num_tiles) {
+    if (num_tiles <= static_cast<int>(tile_losses_.size())) {
+      return;
+    }
+    tile_losses_.resize(num_tiles);
+    tile_num_samples_.resize(num_tiles);
+    tile_network_gradients_.Allocate(num_tiles *
+                                     layout_.num_network_parameters);
+    d_encoding_.Allocate(num_tiles * TileSamples() * layout_.encoding_width);
+    for (AlignedBuffer<float>& position : step_position_) {
+      position.Allocate(num_tiles * TileSamples() + 16);
+    }
+  }
+
+  float LevelWeight(const size_t level) const {
+    return level_weights_.empty() ? 1.0f : level_weights_[level];
+  }
+
+  void EncodePositions(const float* x,
+                       const float* y,
+                       const float* z,
+                       const size_t num_samples,
+                       TileBuffers* buffers) const {
+    float* const encoding = buffers->network.encoding.data();
+    const size_t width = layout_.encoding_width;
+    CornerBuffer& corners = buffers->corners;
+    for (size_t begin = 0; begin < num_samples; begin += kCornerChunk) {
+      const size_t size = std::min(kCornerChunk, num_samples - begin);
+      for (size_t level = 0; level < levels_.size(); ++level) {
+        float* const features =
+            encoding + begin * width + level * kGridFeatures;
+        if (LevelWeight(level) == 0) {
+          for (size_t s = 0; s < size; ++s) {
+            std::fill(features + s * width,
+                      features + s * width + kGridFeatures,
+                      0.0f);
+          }
+          continue;
+        }
+        GridCorners(layout_.levels[level],
+                    x + begin,
+                    y + begin,
+                    z + begin,
+                    size,
+                    kCornerChunk,
+                    corners.entries,
+                    corners.weights);
+        GridInterpolate(levels_[level].table.data(),
+                        corners.entries,
+                        corners.weights,
+                        size,
+                        kCornerChunk,
+                        LevelWeight(level),
+                        width,
+                        features);
+      }
+    }
+  }
+
+  CompositeInputs MakeCompositeInputs(const RayTile& rays,
+                                      const TileBuffers& buffers) const {
+    CompositeInputs inputs;
+    inputs.num_rays = rays.num_rays;
+    inputs.num_samples = sampling_.num_samples;
+    inputs.raw_density = buffers.network.geometry.data();
+    inputs.raw_density_stride = kGeometryWidth;
+    inputs.edges = buffers.edges.data();
+    inputs.ray_length = rays.direction_norm.data();
+    return inputs;
+  }
+
+  static CompositeSamples MakeCompositeSamples(TileBuffers* buffers) {
+    return {buffers->tau.data(),
+            buffers->transmittance.data(),
+            buffers->weight.data(),
+            buffers->z.data()};
+  }
+
+  // Returns the number of samples whose colour was evaluated.
+  size_t ForwardTile(const RayTile& rays,
+                     Random* random,
+                     const bool with_color,
+                     TileBuffers* buffers,
+                     RayOutputs* outputs) const {
+    const size_t n = sampling_.num_samples;
+    const size_t num_samples = rays.num_rays * n;
+    SampleTile(rays,
+               cache_,
+               sampling_,
+               random,
+               buffers->edges.data(),
+               buffers->position[0].data(),
+               buffers->position[1].data(),
+               buffers->position[2].data());
+    EncodePositions(buffers->position[0].data(),
+                    buffers->position[1].data(),
+                    buffers->position[2].data(),
+                    num_samples,
+                    buffers);
+    network_.ForwardDensity(num_samples, &buffers->network);
+    CompositeForward(MakeCompositeInputs(rays, *buffers),
+                     MakeCompositeSamples(buffers),
+                     outputs->depth.data(),
+                     outputs->depth_variance.data(),
+                     outputs->opacity.data());
+    if (!with_color) {
+      return 0;
+    }
+    size_t num_active = 0;
+    for (size_t s = 0; s < num_samples; ++s) {
+      buffers->active[num_active] = static_cast<uint32_t>(s);
+      num_active += buffers->weight[s] >= options_.min_color_weight;
+    }
+    for (int ray = 0; ray < rays.num_rays; ++ray) {
+      EncodeDirection(
+          rays, ray, buffers->direction.data() + ray * kDirectionWidth);
+    }
+    network_.ForwardColor(buffers->active.data(),
+                          num_active,
+                          n,
+                          buffers->direction.data(),
+                          &buffers->network);
+    for (std::array<float, kMaxTileRays>& channel : outputs->color) {
+      channel.fill(0);
+    }
+    for (size_t a = 0; a < num_active; ++a) {
+      const size_t s = buffers->active[a];
+      const float* const color =
+          buffers->network.color.data() + a * kColorOutputWidth;
+      for (int c = 0; c < 3; ++c) {
+        outputs->color[c][s / n] += buffers->weight[s] * color[c];
+      }
+    }
+    return num_active;
+  }
+
+  void AccumulateTile(const StepParameters& step,
+                      const int tile,
+                      TileObjective* objective,
+                      const int thread) {
+    TileBuffers& buffers = *buffers_[thread];
+    const size_t n = sampling_.num_samples;
+    RayTile rays;
+    objective->DrawRays(step.step, tile, &rays);
+    Random random(options_.seed, step.step, tile);
+    RayOutputs outputs;
+    const size_t num_active =
+        ForwardTile(rays, &random, true, &buffers, &outputs);
+    RayGradients gradients;
+    tile_losses_[tile] = objective->Evaluate(outputs, &gradients);
+
+    const size_t num_samples = rays.num_rays * n;
+    tile_num_samples_[tile] = num_samples;
+    for (int ray = 0; ray < rays.num_rays; ++ray) {
+      // A sample without a colour of its own neither gains nor loses from
+      // colour: it takes the ray's.
+      const float neutral = gradients.d_color[0][ray] * outputs.color[0][ray] +
+                            gradients.d_color[1][ray] * outputs.color[1][ray] +
+                            gradients.d_color[2][ray] * outputs.color[2][ray];
+      std::fill(buffers.d_weight_color.data() + ray * n,
+                buffers.d_weight_color.data() + (ray + 1) * n,
+                neutral);
+    }
+    float* const d_color = buffers.network.d_color.data();
+    for (size_t a = 0; a < num_active; ++a) {
+      const size_t s = buffers.active[a];
+      const size_t ray = s / n;
+      const float* const color =
+          buffers.network.color.data() + a * kColorOutputWidth;
+      float sum = 0;
+      for (int c = 0; c < 3; ++c) {
+        sum += gradients.d_color[c][ray] * color[c];
+        // Through the sigmoid.
+        d_color[a * kColorOutputWidth + c] = buffers.weight[s] *
+                                             gradients.d_color[c][ray] *
+                                             color[c] * (1 - color[c]);
+      }
+      std::fill(d_color + a * kColorOutputWidth + 3,
+                d_color + (a + 1) * kColorOutputWidth,
+                0.0f);
+      buffers.d_weight_color[s] = sum;
+    }
+
+    float* const network_gradient =
+        tile_network_gradients_.data() + tile * layout_.num_network_parameters;
+    std::fill(network_gradient,
+              network_gradient + layout_.num_network_parameters,
+              0.0f);
+    network_.BackwardColor(buffers.active.data(),
+                           num_active,
+                           num_samples,
+                           &buffers.network,
+                           network_gradient);
+    CompositeGradients composite_gradients;
+    composite_gradients.d_depth = gradients.d_depth.data();
+    composite_gradients.d_opacity = gradients.d_opacity.data();
+    composite_gradients.pull = gradients.pull.data();
+    composite_gradients.pull_z = gradients.pull_z.data();
+    composite_gradients.d_weight_color = buffers.d_weight_color.data();
+    CompositeBackward(MakeCompositeInputs(rays, buffers),
+                      MakeCompositeSamples(&buffers),
+                      composite_gradients,
+                      buffers.network.d_raw_density.data());
+    network_.BackwardDensity(
+        num_samples,
+        &buffers.network,
+        network_gradient,
+        d_encoding_.data() + tile * TileSamples() * layout_.encoding_width);
+    for (int axis = 0; axis < 3; ++axis) {
+      std::copy(buffers.position[axis].data(),
+                buffers.position[axis].data() + num_samples,
+                step_position_[axis].data() + tile * TileSamples());
+    }
+  }
+
+  // The table is cut into ranges that threads own while they scatter and
+  // update. Whatever the ranges, an entry's contributions arrive in the order
+  // of the samples, so the result does not depend on them.
+  size_t NumRangesPerLevel() const {
+    const size_t num_threads = pool_.NumThreads();
+    return num_threads == 1
+               ? 1
+               : (2 * num_threads + levels_.size() - 1) / levels_.size();
+  }
+
+  // A multiple of 512 entries, one word of the bitmap of touched blocks.
+  uint32_t EntriesPerRange(const size_t level) const {
+    const size_t words = (levels_[level].state.size() + 511) / 512;
+    const size_t num_ranges = NumRangesPerLevel();
+    return static_cast<uint32_t>((words + num_ranges - 1) / num_ranges * 512);
+  }
+
+  template <typename Body>
+  void ForEachTableRange(const Body& body) {
+    const size_t num_ranges = NumRangesPerLevel();
+    pool_.ParallelFor(
+        levels_.size() * num_ranges, [&](const size_t item, const int thread) {
+          // Fine levels, the most expensive, first.
+          const size_t level = levels_.size() - 1 - item / num_ranges;
+          const uint32_t size = EntriesPerRange(level);
+          const uint32_t num_entries =
+              static_cast<uint32_t>(levels_[level].state.size());
+          const uint32_t begin = std::min<uint32_t>(
+              num_entries, static_cast<uint32_t>(item % num_ranges) * size);
+          const uint32_t end = std::min(num_entries, begin + size);
+          if (begin < end) {
+            body(level, begin, end, thread);
+          }
+        });
+  }
+
+  void ScatterRange(const StepParameters& step,
+                    const size_t level,
+                    const uint32_t entry_begin,
+                    const uint32_t entry_end,
+                    const int thread) {
+    if (LevelWeight(level) == 0) {
+      return;
+    }
+    CornerBuffer& corners = buffers_[thread]->corners;
+    const size_t width = layout_.encoding_width;
+    for (int tile = 0; tile < step.num_tiles; ++tile) {
+      const size_t first = tile * TileSamples();
+      for (size_t begin = 0; begin < tile_num_samples_[tile];
+           begin += kCornerChunk) {
+        const size_t size =
+            std::min(kCornerChunk, tile_num_samples_[tile] - begin);
+        const size_t s = first + begin;
+        GridCorners(layout_.levels[level],
+                    step_position_[0].data() + s,
+                    step_position_[1].data() + s,
+                    step_position_[2].data() + s,
+                    size,
+                    kCornerChunk,
+                    corners.entries,
+                    corners.weights);
+        GridScatter(d_encoding_.data() + s * width + level * kGridFeatures,
+                    corners.entries,
+                    corners.weights,
+                    size,
+                    kCornerChunk,
+                    LevelWeight(level),
+                    width,
+                    entry_begin,
+                    entry_end,
+                    levels_[level].gradient.data(),
+                    levels_[level].touched_blocks.data());
+      }
+    }
+  }
+
+  const EngineOptions options_;
+  const FieldLayout layout_;
+  RaySamplingParameters sampling_;
+  FusedNetwork network_;
+  DensityCache cache_;
+  ThreadPool pool_;
+
+  std::vector<LevelStorage> levels_;
+  std::vector<float> level_weights_;  // empty = all one
+  AlignedBuffer<float> network_values_;
+  AlignedBuffer<float> network_gradient_;
+  AlignedBuffer<float> network_first_moment_;
+  AlignedBuffer<float> network_second_moment_;
+  int num_updates_ = 0;
+
+  std::vector<std::unique_ptr<TileBuffers>> buffers_;  // per thread
+
+  // Per tile of the current step, so that sums run in the order of the tiles.
+  std::vector<LossValues> tile_losses_;
+  std::vector<size_t> tile_num_samples_;
+  AlignedBuffer<float> tile_network_gradients_;
+  AlignedBuffer<float> d_encoding_;
+  AlignedBuffer<float> step_position_[3];
+
+  AlignedBuffer<float> refresh_position_[3];
+  std::vector<float> refresh_density_;
+};
+
+}  // namespace
+
+std::unique_ptr<RenderEngine> MakeFusedEngine(const EngineOptions& options) {
+  return std::make_unique<FusedEngine>(options);
+}
+
+}  // namespace structnerf

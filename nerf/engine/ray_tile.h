@@ -1,0 +1,46 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace structnerf {
+
+// Rays of one tile. A tile is what a thread works on at a time; rays whose
+// losses depend on each other are in the same tile.
+constexpr int kMaxTileRays = 32;
+
+template <typename T>
+using PerRay = std::array<T, kMaxTileRays>;
+
+// Rays in field coordinates (nerf/scene_frame.h). Directions have length one
+// along the camera's z axis, so the ray parameter is z-depth: a sample lies at
+// origin + z * direction.
+struct RayTile {
+  int num_rays = 0;
+  PerRay<float> origin[3];
+  PerRay<float> direction[3];
+  PerRay<float> direction_norm;  // Euclidean length per unit of z-depth
+  PerRay<float> near;            // z-depth where sampling starts, > 0
+  PerRay<float> far;             // z-depth where it ends, > near
+};
+
+// What is rendered for the rays of a tile, depth in field units.
+struct RayOutputs {
+  PerRay<float> color[3];        // in [0, 1]
+  PerRay<float> depth;           // expected z-depth
+  PerRay<float> depth_variance;  // of the z-depth at which light ends
+  PerRay<float> opacity;         // before the last, opaque interval
+};
+
+// Derivatives of the loss by the outputs, and the quadratic pull of
+// nerf/kernels/compositing.h. All zero by default.
+struct RayGradients {
+  PerRay<float> d_color[3] = {};
+  PerRay<float> d_depth = {};
+  PerRay<float> d_opacity = {};
+  PerRay<float> pull = {};
+  PerRay<float> pull_z = {};
+};
+
+}  // namespace structnerf

@@ -1,0 +1,103 @@
+#pragma once
+
+#include "nerf/engine/ray_tile.h"
+#include "nerf/field/field_layout.h"
+#include "nerf/options.h"
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace structnerf {
+
+// Terms of the objective, for bookkeeping.
+enum class LossTerm { kColor, kPatch, kPlanar, kSparse, kPrior, kCount };
+using LossValues = std::array<double, static_cast<size_t>(LossTerm::kCount)>;
+
+// What is minimised, seen from one thread: draws the rays of a tile and, once
+// they are rendered, gives the loss and its derivatives. What it draws depends
+// on step and tile only.
+class TileObjective {
+ public:
+  virtual ~TileObjective() = default;
+
+  virtual void DrawRays(int step, int tile, RayTile* rays) = 0;
+
+  // For the rays drawn last. Adds to `gradients`, which start at zero, and
+  // returns the weighted loss values that belong to them.
+  virtual LossValues Evaluate(const RayOutputs& outputs,
+                              RayGradients* gradients) = 0;
+};
+
+// What changes from step to step.
+struct StepParameters {
+  int step = 0;
+  int num_tiles = 0;
+
+  // Factor on each level's features, in [0, 1]: coarse to fine.
+  std::vector<float> level_weights;
+};
+
+// The differentiable render op: a radiance field, the rendering of rays through
+// it, gradients, and the update of its parameters. Implementations give the
+// same results up to rounding; the trainer does not know which one runs.
+class RenderEngine {
+ public:
+  virtual ~RenderEngine() = default;
+
+  virtual const FieldLayout& Layout() const = 0;
+
+  // Renders the rays of step.num_tiles tiles, lets `objectives` (one per
+  // thread, see NumThreads) judge them, and accumulates the gradient of the sum
+  // of the losses. Returns that sum by term.
+  virtual LossValues Accumulate(
+      const StepParameters& step,
+      const std::vector<std::unique_ptr<TileObjective>>& objectives) = 0;
+
+  // Takes one step of Adam with the accumulated gradient and clears it. Returns
+  // false if it was not finite; those parameters then stay as they were.
+  virtual bool Update(float grid_learning_rate,
+                      float network_learning_rate) = 0;
+
+  // Evaluates the density of a part of the scene box for the density cache.
+  virtual void RefreshDensityCache(float decay) = 0;
+
+  // Renders tiles without gradients. Colour is left alone unless asked for.
+  virtual void Render(const std::vector<RayTile>& tiles,
+                      bool with_color,
+                      std::vector<RayOutputs>* outputs) = 0;
+
+  virtual FieldParameters Parameters() const = 0;
+  virtual void SetParameters(const FieldParameters& parameters) = 0;
+
+  // The gradient accumulated so far.
+  virtual FieldParameters Gradients() const = 0;
+
+  // Number of objectives that Accumulate wants.
+  virtual int NumThreads() const = 0;
+};
+
+// What every implementation is built from.
+struct EngineOptions {
+  FieldOptions field;
+  SamplingOptions sampling;
+  Eigen::Vector3f extent = Eigen::Vector3f::Ones();  // of the scene box
+
+  // Density at the start, per field unit.
+  float initial_density = 1.0f;
+
+  // Samples of less weight take their ray's colour instead of their own.
+  float min_color_weight = 1e-4f;
+
+  int num_threads = -1;
+  int seed = 0;
+};
+
+// Hand-vectorised for the CPU, tiles of rays over threads. Its results do not
+// depend on the number of threads.
+std::unique_ptr<RenderEngine> MakeFusedEngine(const EngineOptions& options);
+
+}  // namespace structnerf

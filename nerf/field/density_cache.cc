@@ -1,0 +1,69 @@
+#include "nerf/field/density_cache.h"
+
+#include "nerf/util/random.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace structnerf {
+namespace {
+
+uint8_t Quantize(const float log_density) {
+  const float level = (log_density - DensityCache::kMinLogDensity) *
+                          DensityCache::kLevelsPerUnit +
+                      0.5f;
+  return static_cast<uint8_t>(std::min(std::max(level, 0.0f), 255.0f));
+}
+
+}  // namespace
+
+DensityCache::DensityCache(const int resolution,
+                           const Eigen::Vector3f& extent,
+                           const float initial_density)
+    : cells_per_unit_(static_cast<float>(resolution)), num_cells_(1) {
+  for (int axis = 0; axis < 3; ++axis) {
+    dimensions_[axis] =
+        std::max(1, static_cast<int>(std::ceil(extent[axis] * resolution)));
+    num_cells_ *= dimensions_[axis];
+  }
+  cells_.assign(num_cells_ + 3, Quantize(std::log(initial_density)));
+  // Near the golden section, consecutive visits spread evenly; a stride coprime
+  // to the number of cells visits each once.
+  stride_ = static_cast<size_t>(0.6180339887 * num_cells_) | 1;
+  while (std::gcd(stride_, num_cells_) != 1) {
+    stride_ += 2;
+  }
+}
+
+void DensityCache::NextPoints(const size_t count,
+                              float* x,
+                              float* y,
+                              float* z) {
+  first_visit_ = next_visit_;
+  next_visit_ += count;
+  for (size_t i = 0; i < count; ++i) {
+    const size_t visit = first_visit_ + i;
+    const size_t cell = visit % num_cells_ * stride_ % num_cells_;
+    Random random(cell, visit / num_cells_);
+    const size_t row = cell / dimensions_[0];
+    const float inverse = 1.0f / cells_per_unit_;
+    x[i] = (cell % dimensions_[0] + random.NextFloat()) * inverse;
+    y[i] = (row % dimensions_[1] + random.NextFloat()) * inverse;
+    z[i] = (row / dimensions_[1] + random.NextFloat()) * inverse;
+  }
+}
+
+void DensityCache::Update(const float* log_density,
+                          const size_t count,
+                          const float decay) {
+  const float decay_levels = std::log(decay) * kLevelsPerUnit;
+  for (size_t i = 0; i < count; ++i) {
+    const size_t cell = (first_visit_ + i) % num_cells_ * stride_ % num_cells_;
+    const float decayed = std::max(0.0f, cells_[cell] + decay_levels);
+    cells_[cell] =
+        std::max(static_cast<uint8_t>(decayed), Quantize(log_density[i]));
+  }
+}
+
+}  // namespace structnerf

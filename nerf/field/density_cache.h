@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace structnerf {
+
+// Coarse picture of the field's density over the scene box, one byte per cell,
+// small enough for the second-level cache. Rays read it to find where to
+// sample.
+//
+// A byte b stands for the density exp(b / kLevelsPerUnit + kMinLogDensity).
+class DensityCache {
+ public:
+  static constexpr float kMinLogDensity = -4.0f;
+  static constexpr float kLevelsPerUnit = 16.0f;
+
+  // `resolution`: cells along the longest side of the box (side 1 in field
+  // coordinates).
+  DensityCache(int resolution,
+               const Eigen::Vector3f& extent,
+               float initial_density);
+
+  size_t NumCells() const { return num_cells_; }
+  float CellsPerUnit() const { return cells_per_unit_; }
+  const int* Dimensions() const { return dimensions_; }
+
+  // Cells in x-fastest order, followed by padding that makes a four-byte read
+  // at any cell valid.
+  const uint8_t* Data() const { return cells_.data(); }
+
+  // Writes the points, in field coordinates, at which the next `count` cells
+  // want to know the density: every cell comes up once in NumCells() points,
+  // neighbours far apart, at a place in the cell that changes from round to
+  // round.
+  void NextPoints(size_t count, float* x, float* y, float* z);
+
+  // Gives the answers: each of those cells becomes the larger of the density
+  // and `decay` times what it was.
+  void Update(const float* log_density, size_t count, float decay);
+
+ private:
+  float cells_per_unit_;
+  int dimensions_[3];
+  size_t num_cells_;
+  size_t stride_;  // between cells that are visited one after the other
+  size_t first_visit_ = 0;  // number of the first visit NextPoints last gave
+  size_t next_visit_ = 0;
+  std::vector<uint8_t> cells_;
+};
+
+}  // namespace structnerf

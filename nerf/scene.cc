@@ -1,0 +1,82 @@
+#include "nerf/scene.h"
+
+#include <cmath>
+#include <stdexcept>
+
+namespace structnerf {
+namespace {
+
+void Require(const bool condition, const std::string& message) {
+  if (!condition) {
+    throw std::invalid_argument(message);
+  }
+}
+
+void CheckView(const View& view) {
+  const std::string prefix = "view " + view.name + ": ";
+  const PinholeCamera& camera = view.camera;
+  Require(camera.width > 0 && camera.height > 0,
+          prefix + "the camera has no size");
+  Require(std::isfinite(camera.fx) && std::isfinite(camera.fy) &&
+              camera.fx > 0 && camera.fy > 0 && std::isfinite(camera.cx) &&
+              std::isfinite(camera.cy),
+          prefix + "the focal length or principal point is not valid");
+  Require(view.cam_from_world_rotation.allFinite() &&
+              view.cam_from_world_translation.allFinite(),
+          prefix + "the pose is not finite");
+  Require(
+      (view.cam_from_world_rotation * view.cam_from_world_rotation.transpose() -
+       Eigen::Matrix3d::Identity())
+              .cwiseAbs()
+              .maxCoeff() < 1e-6,
+      prefix + "the rotation is not orthonormal");
+  const size_t num_pixels =
+      static_cast<size_t>(view.image.width) * view.image.height;
+  Require(view.image.width > 0 && view.image.height > 0 &&
+              view.image.width <= camera.width &&
+              view.image.height <= camera.height,
+          prefix + "the image is empty or larger than the camera");
+  Require(view.image.data.size() == 3 * num_pixels,
+          prefix + "the image data do not match its size");
+  Require(view.mask.empty() || view.mask.size() == num_pixels,
+          prefix + "the mask does not match the image's size");
+  Require(view.segments.empty() || view.segments.size() == num_pixels,
+          prefix + "the segments do not match the image's size");
+}
+
+}  // namespace
+
+PinholeCamera PinholeCamera::Resized(const int new_width,
+                                     const int new_height) const {
+  const double scale_x = static_cast<double>(new_width) / width;
+  const double scale_y = static_cast<double>(new_height) / height;
+  return {new_width,
+          new_height,
+          fx * scale_x,
+          fy * scale_y,
+          cx * scale_x,
+          cy * scale_y};
+}
+
+Eigen::Vector3d View::ProjectionCenter() const {
+  return -cam_from_world_rotation.transpose() * cam_from_world_translation;
+}
+
+void Scene::Check() const {
+  for (const View& view : views) {
+    CheckView(view);
+  }
+  for (size_t i = 0; i < points.size(); ++i) {
+    const std::string prefix = "sparse point " + std::to_string(i) + ": ";
+    Require(points[i].xyz.allFinite(), prefix + "the position is not finite");
+    for (const Observation& observation : points[i].track) {
+      Require(observation.view_idx >= 0 &&
+                  observation.view_idx < static_cast<int>(views.size()),
+              prefix + "its track names a view that does not exist");
+      Require(observation.xy.allFinite(),
+              prefix + "an observation is not finite");
+    }
+  }
+}
+
+}  // namespace structnerf
