@@ -1,0 +1,161 @@
+#include "colmap_plugin/cloud_fusion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <stdexcept>
+
+#include <colmap/util/ply.h>
+
+namespace structnerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kBytesPerGb = 1024.0 * 1024.0 * 1024.0;
+
+// Colour, depth, normal and state of one pixel.
+constexpr size_t kBytesPerPixel = 3 + 4 + 12 + 1;
+
+// COLMAP queues one task per so many rows, each with a copy of the view's
+// pixel states.
+constexpr size_t kRowsPerTask = 10;
+
+// Fused point, its visibility list and their copies while they are gathered.
+constexpr size_t kBytesPerPoint = 250;
+
+// Points that a pixel gives rise to, generously.
+constexpr double kPointsPerPixel = 0.1;
+
+constexpr int kMinFusionImageSize = 320;
+
+void CheckWritten(const std::string& path, const size_t min_bytes) {
+  std::error_code error;
+  const size_t num_bytes = fs::file_size(path, error);
+  if (error || num_bytes < min_bytes) {
+    throw std::runtime_error("The file " + path +
+                             " could not be written; is the disk full?");
+  }
+}
+
+void WriteCloud(const std::string& path,
+                const std::vector<colmap::PlyPoint>& points,
+                const std::vector<std::vector<int>>& visibility) {
+  const std::string visibility_path = path + ".vis";
+  const std::string partial_path = path + ".partial";
+  const std::string partial_visibility_path = visibility_path + ".partial";
+  colmap::WriteBinaryPlyPoints(partial_path, points);
+  colmap::mvs::WritePointsVisibility(partial_visibility_path, visibility);
+
+  // COLMAP's writers do not notice a full disk.
+  constexpr size_t kBytesPerPlyPoint = 6 * sizeof(float) + 3;
+  size_t num_visibility_bytes = sizeof(uint64_t);
+  for (const auto& image_idxs : visibility) {
+    num_visibility_bytes += (1 + image_idxs.size()) * sizeof(uint32_t);
+  }
+  CheckWritten(partial_path, points.size() * kBytesPerPlyPoint);
+  CheckWritten(partial_visibility_path, num_visibility_bytes);
+  fs::rename(partial_path, path);
+  fs::rename(partial_visibility_path, visibility_path);
+}
+
+}  // namespace
+
+int DefaultMinNumPixels(const size_t num_views) {
+  return static_cast<int>(std::clamp<size_t>(num_views / 6, 2, 5));
+}
+
+size_t EstimateFusionMemory(const colmap::mvs::StereoFusionOptions& options,
+                            const std::vector<PinholeCamera>& cameras) {
+  size_t num_pixels = 0;
+  size_t max_queue_bytes = 0;
+  for (const PinholeCamera& camera : cameras) {
+    const double longest = std::max(camera.width, camera.height);
+    const double scale = options.max_image_size > 0
+                             ? std::min(1.0, options.max_image_size / longest)
+                             : 1.0;
+    const auto width = static_cast<size_t>(std::ceil(scale * camera.width));
+    const auto height = static_cast<size_t>(std::ceil(scale * camera.height));
+    num_pixels += width * height;
+    max_queue_bytes =
+        std::max(max_queue_bytes, width * height * (1 + height / kRowsPerTask));
+  }
+  const size_t num_point_bytes =
+      static_cast<size_t>(num_pixels * kPointsPerPixel) * kBytesPerPoint;
+  const size_t num_map_bytes =
+      options.use_cache
+          ? num_pixels + static_cast<size_t>(options.cache_size * kBytesPerGb)
+          : num_pixels * kBytesPerPixel;
+  return num_map_bytes + num_point_bytes + max_queue_bytes;
+}
+
+std::string FitFusionIntoMemory(const std::vector<PinholeCamera>& cameras,
+                                const size_t max_bytes,
+                                colmap::mvs::StereoFusionOptions* options) {
+  if (EstimateFusionMemory(*options, cameras) <= max_bytes) {
+    return "";
+  }
+  options->use_cache = true;
+  options->cache_size =
+      std::min(options->cache_size, 0.25 * max_bytes / kBytesPerGb);
+  int longest = 0;
+  for (const PinholeCamera& camera : cameras) {
+    longest = std::max({longest, camera.width, camera.height});
+  }
+  std::string sentence =
+      "Fusion reads the maps through a cache, on one thread, to stay within "
+      "the memory limit";
+  while (EstimateFusionMemory(*options, cameras) > max_bytes) {
+    const int size = options->max_image_size > 0
+                         ? std::min(options->max_image_size, longest)
+                         : longest;
+    options->max_image_size = size * 3 / 4;
+    if (options->max_image_size < kMinFusionImageSize) {
+      throw std::runtime_error(
+          "Fusing the maps needs more memory than allowed; raise "
+          "--StructNeRF.max_memory_gb.");
+    }
+  }
+  if (options->max_image_size > 0 && options->max_image_size < longest) {
+    sentence += ", with maps reduced to " +
+                std::to_string(options->max_image_size) + " pixels";
+  }
+  return sentence + ".";
+}
+
+size_t FuseMaps(const DenseWorkspace& workspace,
+                const MapType map_type,
+                const colmap::mvs::StereoFusionOptions& options,
+                const size_t num_views,
+                Progress* progress) {
+  colmap::mvs::StereoFusion fusion(options,
+                                   workspace.Path(),
+                                   /*workspace_format=*/"COLMAP",
+                                   /*pmvs_option_name=*/"",
+                                   MapTypeName(map_type));
+  // COLMAP asks whether to stop once after loading and once before each view,
+  // which tells how far it is.
+  size_t num_calls = 0;
+  bool aborted = false;
+  ProgressUpdate update;
+  update.stage = "Fusing points";
+  fusion.SetCheckIfStoppedFunc([&]() {
+    update.fraction =
+        std::min(1.0, static_cast<double>(num_calls++) / (num_views + 1));
+    progress->Report(update);
+    aborted = aborted || progress->ShouldAbort();
+    return aborted;
+  });
+  fusion.Run();
+  if (aborted) {
+    throw Aborted();
+  }
+  WriteCloud(workspace.FusedPath(),
+             fusion.GetFusedPoints(),
+             fusion.GetFusedPointsVisibility());
+  update.fraction = 1;
+  progress->Report(update);
+  return fusion.GetFusedPoints().size();
+}
+
+}  // namespace structnerf

@@ -1,0 +1,94 @@
+#include "colmap_plugin/colmap_compat.h"
+
+#include <colmap/image/undistortion.h>
+#include <colmap/util/logging.h>
+#include <colmap/util/version.h>
+
+#if STRUCTNERF_COLMAP_VERSION >= 40000
+#include <colmap/controllers/undistorters.h>
+#include <colmap/sensor/bitmap.h>
+#include <colmap/util/oiio_utils.h>
+#else
+#include <FreeImage.h>
+#endif
+
+namespace structnerf {
+
+void InitializeColmap(char** argv) {
+  colmap::InitializeGlog(argv);
+#if STRUCTNERF_COLMAP_VERSION >= 40000
+  colmap::EnsureOpenImageIOInitialized();
+#endif
+}
+
+std::string ColmapVersionInfo() { return colmap::GetVersionInfo(); }
+
+bool ParseOptions(const int argc, char** argv, colmap::OptionManager* options) {
+#if STRUCTNERF_COLMAP_VERSION >= 31300
+  return options->Parse(argc, argv);
+#else
+  options->Parse(argc, argv);
+  return true;
+#endif
+}
+
+std::vector<colmap::image_t> RegisteredImageIds(
+    const colmap::Reconstruction& reconstruction) {
+  // A vector, a set or a temporary, depending on the version.
+  const auto& image_ids = reconstruction.RegImageIds();
+  return {image_ids.begin(), image_ids.end()};
+}
+
+bool IsPerspective([[maybe_unused]] const colmap::Camera& camera) {
+#if STRUCTNERF_COLMAP_VERSION >= 40100
+  return !camera.IsSpherical();
+#else
+  return true;
+#endif
+}
+
+bool ReadImageSize(const std::string& path, int* width, int* height) {
+#if STRUCTNERF_COLMAP_VERSION >= 40000
+  colmap::Bitmap bitmap;
+  if (!bitmap.Read(path)) {
+    return false;
+  }
+  *width = bitmap.Width();
+  *height = bitmap.Height();
+  return true;
+#else
+  const FREE_IMAGE_FORMAT format = FreeImage_GetFileType(path.c_str(), 0);
+  if (format == FIF_UNKNOWN) {
+    return false;
+  }
+  FIBITMAP* bitmap = FreeImage_Load(format, path.c_str(), FIF_LOAD_NOPIXELS);
+  if (bitmap == nullptr) {
+    return false;
+  }
+  *width = static_cast<int>(FreeImage_GetWidth(bitmap));
+  *height = static_cast<int>(FreeImage_GetHeight(bitmap));
+  FreeImage_Unload(bitmap);
+  return true;
+#endif
+}
+
+void CreateUndistortedWorkspace(const colmap::Reconstruction& reconstruction,
+                                const std::string& image_path,
+                                const std::string& output_path,
+                                const std::function<bool()>& should_stop) {
+  const colmap::UndistortCameraOptions camera_options;
+#if STRUCTNERF_COLMAP_VERSION >= 40000
+  colmap::COLMAPUndistorter undistorter(colmap::COLMAPUndistorter::Options(),
+                                        camera_options,
+                                        reconstruction,
+                                        image_path,
+                                        output_path);
+#else
+  colmap::COLMAPUndistorter undistorter(
+      camera_options, reconstruction, image_path, output_path);
+#endif
+  undistorter.SetCheckIfStoppedFunc(should_stop);
+  undistorter.Run();
+}
+
+}  // namespace structnerf

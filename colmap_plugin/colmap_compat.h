@@ -1,0 +1,45 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <colmap/controllers/option_manager.h>
+#include <colmap/scene/reconstruction.h>
+
+namespace structnerf {
+
+// Everything that differs between COLMAP 3.10 and 4.1 is behind these
+// functions; the rest of the project keeps to what all versions share.
+
+// Sets up COLMAP's logging and image libraries, once per process.
+void InitializeColmap(char** argv);
+
+// e.g. "COLMAP 3.10-dev".
+std::string ColmapVersionInfo();
+
+// Parses the command line. Prints the help or one line about what is wrong and
+// returns false (or, before COLMAP 3.13, exits the process).
+bool ParseOptions(int argc, char** argv, colmap::OptionManager* options);
+
+// In the order of the model, which is also that of colmap::mvs::Model.
+std::vector<colmap::image_t> RegisteredImageIds(
+    const colmap::Reconstruction& reconstruction);
+
+// False for cameras that no pinhole camera can stand for, e.g. spherical ones.
+bool IsPerspective(const colmap::Camera& camera);
+
+// The size in pixels that the image file's header states. Returns false if
+// COLMAP cannot read the file.
+bool ReadImageSize(const std::string& path, int* width, int* height);
+
+// Creates COLMAP's dense workspace in the existing folder `output_path`:
+// undistorted images, sparse model, stereo folders and configurations. Calls
+// `should_stop` before each image and ends early when it returns true. An image
+// that cannot be undistorted is missing afterwards.
+void CreateUndistortedWorkspace(const colmap::Reconstruction& reconstruction,
+                                const std::string& image_path,
+                                const std::string& output_path,
+                                const std::function<bool()>& should_stop);
+
+}  // namespace structnerf

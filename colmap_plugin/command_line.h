@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace structnerf {
+
+// Rewrites a command line into what COLMAP's option manager understands in the
+// same way in all versions:
+//
+// - the keys of the file of --project_path that the command knows come first
+//   and --project_path itself goes; options on the command line win. Sections
+//   of other commands are ignored, so a file saved by COLMAP's user interface
+//   can be used as it is.
+// - a flag in `flags` ("overwrite", ...) may stand without a value.
+//
+// `args[0]` is the program. Throws std::runtime_error if the project file
+// cannot be read.
+std::vector<std::string> ExpandCommandLine(
+    const std::vector<std::string>& args,
+    const std::vector<std::string>& own_options,
+    const std::vector<std::string>& flags);
+
+// Value of `--name value` or `--name=value`, the last one; `default_value` if
+// there is none.
+std::string FindOption(const std::vector<std::string>& args,
+                       const std::string& name,
+                       const std::string& default_value);
+
+}  // namespace structnerf

@@ -1,0 +1,204 @@
+#include "colmap_plugin/commands.h"
+
+#include "colmap_plugin/colmap_compat.h"
+#include "colmap_plugin/command_line.h"
+#include "colmap_plugin/input_check.h"
+#include "colmap_plugin/interrupts.h"
+#include "colmap_plugin/log_level.h"
+#include "colmap_plugin/option_table.h"
+#include "colmap_plugin/stock_colmap.h"
+#include "colmap_plugin/structnerf_controller.h"
+#include "colmap_plugin/terminal_progress.h"
+
+#include <cstdlib>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <stdexcept>
+
+#include <colmap/controllers/option_manager.h>
+
+#include <unistd.h>
+
+namespace structnerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::vector<std::string> kFlags = {"overwrite",
+                                         "StructNeRF.print_options"};
+
+// Keys that a project file may have outside our sections.
+const std::vector<std::string> kProjectKeys = {"image_path",
+                                               "input_path",
+                                               "output_path",
+                                               "workspace_path",
+                                               "mask_path",
+                                               "overwrite"};
+
+struct DenseCommand {
+  StructNerfOptions options;
+  std::string input_path;
+  bool print_options = false;
+};
+
+// Throws std::runtime_error if the paths contradict each other.
+void CheckPaths(const DenseCommand& command) {
+  const StructNerfOptions& options = command.options;
+  if (!options.workspace_path.empty()) {
+    if (!options.output_path.empty() || !command.input_path.empty()) {
+      throw std::runtime_error(
+          "--workspace_path runs on an existing workspace; leave out "
+          "--input_path and --output_path, or --workspace_path.");
+    }
+    if (!fs::is_directory(options.workspace_path)) {
+      throw std::runtime_error("The workspace folder " +
+                               options.workspace_path + " does not exist.");
+    }
+    return;
+  }
+  for (const auto& [name, value] :
+       {std::pair("image_path", options.image_path),
+        std::pair("input_path", command.input_path),
+        std::pair("output_path", options.output_path)}) {
+    if (value.empty()) {
+      throw std::runtime_error(
+          std::string("The option --") + name +
+          " is missing; give --image_path, --input_path and --output_path, or "
+          "--workspace_path.");
+    }
+  }
+  const std::string sparse_path =
+      DenseWorkspace(options.output_path).SparsePath();
+  if (fs::exists(sparse_path) && fs::exists(command.input_path) &&
+      fs::equivalent(sparse_path, command.input_path)) {
+    throw std::runtime_error("The output folder " + options.output_path +
+                             " would overwrite the model in " +
+                             command.input_path + "; choose another one.");
+  }
+}
+
+// Returns false if the command line is wrong, which has been said then.
+bool ParseDenseCommand(const std::vector<std::string>& raw_args,
+                       DenseCommand* command) {
+  std::vector<std::string> args =
+      ExpandCommandLine(raw_args, kProjectKeys, kFlags);
+  StructNerfOptions& options = command->options;
+  options.quality = FindOption(args, "StructNeRF.quality", options.quality);
+  options.reconstruction = QualityPreset(options.quality);
+  const std::vector<OptionEntry> table = MakeOptionTable(&options);
+
+  colmap::OptionManager manager;
+  manager.AddDefaultOption(
+      "image_path", &options.image_path, "Folder with the original images");
+  manager.AddDefaultOption("input_path",
+                           &command->input_path,
+                           "Folder with the sparse model, e.g. sparse/0");
+  manager.AddDefaultOption(
+      "output_path", &options.output_path, "Folder of the new dense workspace");
+  manager.AddDefaultOption(
+      "workspace_path",
+      &options.workspace_path,
+      "Existing workspace of image_undistorter, instead of the three above");
+  manager.AddDefaultOption(
+      "mask_path",
+      &options.mask_path,
+      "Folder with masks <image name>.png, black = ignore");
+  manager.AddDefaultOption(
+      "overwrite", &options.overwrite, "Replace existing dense results");
+  AddOptions(table, &manager);
+  manager.AddDefaultOption("StructNeRF.print_options",
+                           &command->print_options,
+                           "Only print what the options come to");
+  manager.stereo_fusion->min_num_pixels = options.fusion.min_num_pixels;
+  manager.AddStereoFusionOptions();
+
+  std::vector<char*> argv;
+  for (std::string& arg : args) {
+    argv.push_back(arg.data());
+  }
+  if (!ParseOptions(static_cast<int>(argv.size()), argv.data(), &manager)) {
+    return false;
+  }
+  options.fusion = *manager.stereo_fusion;
+  CheckOptions(table, options);
+  if (command->print_options) {
+    for (const OptionEntry& entry : table) {
+      std::cout << OptionText(entry) << std::endl;
+    }
+    return true;
+  }
+  CheckPaths(*command);
+  return true;
+}
+
+int RunController(const DenseCommand& command) {
+  std::shared_ptr<const colmap::Reconstruction> reconstruction;
+  if (command.options.workspace_path.empty()) {
+    reconstruction = std::make_shared<const colmap::Reconstruction>(
+        ReadModel(command.input_path));
+  }
+  const ScopedInterrupts interrupts;
+  // COLMAP's own lines would tear the progress line apart.
+  const ScopedLogLevel quiet(google::GLOG_WARNING);
+  TerminalProgress progress(&std::cerr,
+                            TerminalProgress::OptionsFor(STDERR_FILENO));
+  StructNerfController controller(command.options, reconstruction, &progress);
+  controller.Run();
+  progress.Finish();
+  switch (controller.GetStatus()) {
+    case StructNerfController::Status::kSuccess:
+      std::cout << ReportText(controller.Report()) << std::flush;
+      return EXIT_SUCCESS;
+    case StructNerfController::Status::kAborted:
+      std::cerr << "Quit; nothing was written." << std::endl;
+      return EXIT_FAILURE;
+    default:
+      throw std::runtime_error(controller.Error());
+  }
+}
+
+}  // namespace
+
+const std::vector<Command>& Commands() {
+  static const std::vector<Command> commands = {
+      {"structnerf_dense",
+       "Dense depth, normals and cloud from a sparse model, without CUDA",
+       RunStructNerfDense}};
+  return commands;
+}
+
+int RunStructNerfDense(const int argc, char** argv) {
+  try {
+    DenseCommand command;
+    if (!ParseDenseCommand({argv, argv + argc}, &command)) {
+      return EXIT_FAILURE;
+    }
+    return command.print_options ? EXIT_SUCCESS : RunController(command);
+  } catch (const std::exception& error) {
+    std::cerr << "ERROR: " << error.what() << std::endl;
+    return EXIT_FAILURE;
+  }
+}
+
+int RunHelp() {
+  try {
+    RunStockColmap({"help"});
+  } catch (const std::exception& error) {
+    std::cout << error.what() << std::endl << std::endl;
+  }
+  std::cout << "Commands of colmap-structnerf:" << std::endl;
+  for (const Command& command : Commands()) {
+    std::cout << "  " << command.name << "  " << command.help << std::endl;
+  }
+  std::cout << std::endl;
+  return EXIT_SUCCESS;
+}
+
+int RunVersion() {
+  std::cout << "colmap-structnerf " << STRUCTNERF_VERSION << ", built with "
+            << ColmapVersionInfo() << std::endl;
+  return EXIT_SUCCESS;
+}
+
+}  // namespace structnerf

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace structnerf {
+
+struct Command {
+  std::string name;
+  std::string help;  // one line
+
+  // As in COLMAP: `argv[0]` is the program, the options follow.
+  std::function<int(int argc, char** argv)> run;
+};
+
+// The commands that this program adds to COLMAP's.
+const std::vector<Command>& Commands();
+
+// Depth and normal maps and a fused cloud from a sparse model.
+int RunStructNerfDense(int argc, char** argv);
+
+// The stock program's help with ours appended.
+int RunHelp();
+
+int RunVersion();
+
+}  // namespace structnerf

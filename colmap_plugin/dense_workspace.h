@@ -1,0 +1,77 @@
+#pragma once
+
+#include "nerf/dense_maps.h"
+
+#include <string>
+#include <vector>
+
+namespace structnerf {
+
+// COLMAP's two kinds of maps, which its stereo fusion can be pointed at:
+// photometric ones hold every confident pixel, geometric ones those that other
+// views confirm.
+enum class MapType { kPhotometric, kGeometric };
+
+// "photometric" or "geometric".
+std::string MapTypeName(MapType type);
+
+// The part of DenseMaps that COLMAP stores, same layout and conventions.
+struct StereoMaps {
+  int width = 0;
+  int height = 0;
+  std::vector<float> depth;   // width * height
+  std::vector<float> normal;  // three planes of width * height
+};
+
+// Paths and files of one folder in COLMAP's dense layout:
+//
+//    images/ sparse/ stereo/{depth_maps,normal_maps,consistency_graphs}/
+//    stereo/patch-match.cfg stereo/fusion.cfg fused.ply fused.ply.vis
+//
+// and our structnerf/. Image names may contain sub-folders. Writing throws
+// std::runtime_error, naming the file, if the disk is full or not writable.
+class DenseWorkspace {
+ public:
+  explicit DenseWorkspace(std::string path);
+
+  const std::string& Path() const { return path_; }
+  std::string ImagesPath() const;
+  std::string SparsePath() const;
+  std::string FusedPath() const;
+  std::string ReportFolder() const;
+  std::string ImagePath(const std::string& image_name) const;
+  std::string DepthMapPath(const std::string& image_name, MapType type) const;
+  std::string NormalMapPath(const std::string& image_name, MapType type) const;
+  std::string ConsistencyGraphPath(const std::string& image_name) const;
+
+  // Creates the stereo and report folders with the sub-folders of the images.
+  void CreateFolders(const std::vector<std::string>& image_names) const;
+
+  // Paths of dense results that exist for one of the images, at most `limit`.
+  std::vector<std::string> FindResults(
+      const std::vector<std::string>& image_names, size_t limit) const;
+
+  void WriteMaps(const std::string& image_name,
+                 MapType type,
+                 const StereoMaps& maps) const;
+
+  // Throws std::runtime_error if a file is damaged or missing.
+  StereoMaps ReadMaps(const std::string& image_name, MapType type) const;
+
+  // `records[i].view_idxs` index the registered images in the model's order.
+  void WriteConsistencyGraph(
+      const std::string& image_name,
+      int width,
+      int height,
+      const std::vector<ConsistencyRecord>& records) const;
+
+  // stereo/patch-match.cfg with the source images of each image, and
+  // stereo/fusion.cfg. `source_idxs[i]` index `image_names`, best first.
+  void WriteConfigs(const std::vector<std::string>& image_names,
+                    const std::vector<std::vector<int>>& source_idxs) const;
+
+ private:
+  const std::string path_;
+};
+
+}  // namespace structnerf

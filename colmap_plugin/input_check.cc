@@ -1,0 +1,174 @@
+#include "colmap_plugin/input_check.h"
+
+#include "colmap_plugin/colmap_compat.h"
+#include "colmap_plugin/log_level.h"
+#include "colmap_plugin/masks.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+#include <unordered_set>
+
+#include <glog/logging.h>
+
+namespace structnerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool HasModelFiles(const fs::path& path, const std::string& extension) {
+  return fs::is_regular_file(path / ("cameras" + extension)) &&
+         fs::is_regular_file(path / ("images" + extension)) &&
+         fs::is_regular_file(path / ("points3D" + extension));
+}
+
+// A name that, appended to a folder, is a file in that folder and fits a line
+// of COLMAP's configuration files.
+bool IsSafeImageName(const std::string& name) {
+  const fs::path path(name);
+  return !name.empty() && path.is_relative() && path.has_filename() &&
+         std::none_of(path.begin(),
+                      path.end(),
+                      [](const fs::path& part) { return part == ".."; }) &&
+         std::none_of(name.begin(), name.end(), [](const unsigned char c) {
+           return c < 0x20 || c == 0x7f;
+         });
+}
+
+// Control characters shown as '?', so that an error stays one line.
+std::string Printable(std::string text) {
+  for (char& c : text) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
+      c = '?';
+    }
+  }
+  return text;
+}
+
+std::string SizeText(const size_t width, const size_t height) {
+  return std::to_string(width) + "x" + std::to_string(height);
+}
+
+}  // namespace
+
+colmap::Reconstruction ReadModel(const std::string& path) {
+  if (!fs::is_directory(path)) {
+    throw std::runtime_error("The model folder " + path + " does not exist.");
+  }
+  if (!HasModelFiles(path, ".bin") && !HasModelFiles(path, ".txt")) {
+    throw std::runtime_error(
+        "The folder " + path +
+        " holds no COLMAP model (cameras, images and points3D as .bin or "
+        ".txt); the mapper usually writes it to sparse/0.");
+  }
+  colmap::Reconstruction reconstruction;
+  try {
+    const ScopedLogLevel quiet(google::GLOG_FATAL);
+    reconstruction.Read(path);
+  } catch (const std::exception& error) {
+    throw std::runtime_error(
+        "The COLMAP model in " + path + " cannot be read (" + error.what() +
+        "); it is damaged or has a camera model that this COLMAP does not "
+        "know, such as a spherical one.");
+  }
+  return reconstruction;
+}
+
+void CheckModel(const colmap::Reconstruction& reconstruction) {
+  const auto image_ids = RegisteredImageIds(reconstruction);
+  if (image_ids.size() < 2) {
+    throw std::runtime_error("The model has " +
+                             std::to_string(image_ids.size()) +
+                             " registered images, but at least 2 are needed; "
+                             "check the result of the mapper.");
+  }
+  if (reconstruction.NumPoints3D() == 0) {
+    throw std::runtime_error(
+        "The model has no sparse points; run point_triangulator or the mapper "
+        "first.");
+  }
+  std::unordered_set<std::string> names;
+  for (const colmap::image_t image_id : image_ids) {
+    const colmap::Image& image = reconstruction.Image(image_id);
+    if (!IsSafeImageName(image.Name())) {
+      throw std::runtime_error(
+          "The image name \"" + Printable(image.Name()) +
+          "\" would leave the workspace or break its files; rename the image.");
+    }
+    if (!names.insert(fs::path(image.Name()).lexically_normal().string())
+             .second) {
+      throw std::runtime_error("The model has two images named " +
+                               image.Name() + "; rename one of them.");
+    }
+    const colmap::Camera& camera = reconstruction.Camera(image.CameraId());
+    if (!IsPerspective(camera)) {
+      throw std::runtime_error("The camera of image " + image.Name() + " (" +
+                               camera.ModelName() +
+                               ") cannot be undistorted; convert the images "
+                               "to perspective ones first.");
+    }
+  }
+}
+
+void CheckImages(const colmap::Reconstruction& reconstruction,
+                 const std::string& image_path) {
+  if (!fs::is_directory(image_path)) {
+    throw std::runtime_error("The image folder " + image_path +
+                             " does not exist.");
+  }
+  for (const colmap::image_t image_id : RegisteredImageIds(reconstruction)) {
+    const colmap::Image& image = reconstruction.Image(image_id);
+    const colmap::Camera& camera = reconstruction.Camera(image.CameraId());
+    const std::string path = (fs::path(image_path) / image.Name()).string();
+    if (!fs::exists(path)) {
+      throw std::runtime_error("The image " + path +
+                               " of the model does not exist; check the image "
+                               "folder.");
+    }
+    int width = 0;
+    int height = 0;
+    if (!fs::is_regular_file(path) || !std::ifstream(path).is_open() ||
+        !ReadImageSize(path, &width, &height)) {
+      throw std::runtime_error(
+          "The image " + path +
+          " cannot be read; check its permissions and that it is an image.");
+    }
+    if (static_cast<size_t>(width) != camera.width ||
+        static_cast<size_t>(height) != camera.height) {
+      throw std::runtime_error(
+          "The image " + path + " is " + SizeText(width, height) +
+          ", but its camera in the model is " +
+          SizeText(camera.width, camera.height) +
+          "; use the images that the model was made from.");
+    }
+  }
+}
+
+void CheckMasks(const colmap::Reconstruction& reconstruction,
+                const std::string& mask_path) {
+  if (!fs::is_directory(mask_path)) {
+    throw std::runtime_error("The mask folder " + mask_path +
+                             " does not exist.");
+  }
+  const std::vector<std::string> names = ImageNames(reconstruction);
+  if (std::none_of(names.begin(), names.end(), [&](const std::string& name) {
+        return fs::exists(MaskPath(mask_path, name));
+      })) {
+    throw std::runtime_error(
+        "The mask folder " + mask_path + " has no mask for any image, e.g. " +
+        MaskPath(mask_path, names.front()) +
+        "; a mask is named like its image with .png appended.");
+  }
+}
+
+std::vector<std::string> ImageNames(
+    const colmap::Reconstruction& reconstruction) {
+  std::vector<std::string> names;
+  for (const colmap::image_t image_id : RegisteredImageIds(reconstruction)) {
+    names.push_back(reconstruction.Image(image_id).Name());
+  }
+  return names;
+}
+
+}  // namespace structnerf

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <colmap/scene/reconstruction.h>
+
+namespace structnerf {
+
+// Checks of everything that can be known to be wrong before a run touches the
+// disk. Each throws std::runtime_error with one sentence that names the file
+// or option and the way out.
+
+// Reads a COLMAP model, text or binary.
+colmap::Reconstruction ReadModel(const std::string& path);
+
+// At least two registered images, sparse points, cameras that can be
+// undistorted, and image names that stay inside the workspace.
+void CheckModel(const colmap::Reconstruction& reconstruction);
+
+// Every registered image exists below `image_path`, can be read and has the
+// size of its camera.
+void CheckImages(const colmap::Reconstruction& reconstruction,
+                 const std::string& image_path);
+
+// The folder exists and holds the mask of at least one image.
+void CheckMasks(const colmap::Reconstruction& reconstruction,
+                const std::string& mask_path);
+
+// Names of the registered images in the model's order.
+std::vector<std::string> ImageNames(
+    const colmap::Reconstruction& reconstruction);
+
+}  // namespace structnerf

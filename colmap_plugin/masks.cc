@@ -1,0 +1,108 @@
+#include "colmap_plugin/masks.h"
+
+#include "colmap_plugin/colmap_compat.h"
+
+#include <filesystem>
+#include <stdexcept>
+
+#include <colmap/image/undistortion.h>
+#include <colmap/sensor/bitmap.h>
+
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+namespace structnerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Sets pixels above `threshold` to 255 and the others to 0.
+cv::Mat Binarize(const cv::Mat& mask, const double threshold) {
+  cv::Mat binary;
+  cv::threshold(mask, binary, threshold, 255, cv::THRESH_BINARY);
+  return binary;
+}
+
+cv::Mat ReadGrey(const std::string& path) {
+  const cv::Mat mask =
+      cv::imread(path, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
+  if (mask.empty()) {
+    throw std::runtime_error("The mask " + path +
+                             " cannot be read; it must be a PNG image.");
+  }
+  return mask;
+}
+
+void WriteGrey(const std::string& path, const cv::Mat& mask) {
+  if (!cv::imwrite(path, mask)) {
+    throw std::runtime_error("The mask " + path +
+                             " could not be written; is the disk full?");
+  }
+}
+
+cv::Mat ReadCheckedMask(const std::string& path,
+                        const int width,
+                        const int height) {
+  const cv::Mat mask = ReadGrey(path);
+  if (mask.cols != width || mask.rows != height) {
+    throw std::runtime_error(
+        "The mask " + path + " is " + std::to_string(mask.cols) + "x" +
+        std::to_string(mask.rows) + ", but its image is " +
+        std::to_string(width) + "x" + std::to_string(height) +
+        "; a mask must have the size of its image.");
+  }
+  return Binarize(mask, 0);
+}
+
+}  // namespace
+
+std::string MaskPath(const std::string& mask_path,
+                     const std::string& image_name) {
+  return (fs::path(mask_path) / image_name).string() + ".png";
+}
+
+std::vector<uint8_t> ReadMask(const std::string& mask_path,
+                              const std::string& image_name,
+                              const int width,
+                              const int height) {
+  const std::string path = MaskPath(mask_path, image_name);
+  if (!fs::exists(path)) {
+    return {};
+  }
+  const cv::Mat mask = ReadCheckedMask(path, width, height);
+  return {mask.begin<uint8_t>(), mask.end<uint8_t>()};
+}
+
+void UndistortMasks(const colmap::Reconstruction& reconstruction,
+                    const std::string& mask_path,
+                    const std::string& output_path) {
+  const colmap::UndistortCameraOptions options;
+  for (const colmap::image_t image_id : RegisteredImageIds(reconstruction)) {
+    const colmap::Image& image = reconstruction.Image(image_id);
+    const colmap::Camera& camera = reconstruction.Camera(image.CameraId());
+    const std::string input = MaskPath(mask_path, image.Name());
+    if (!fs::exists(input)) {
+      continue;
+    }
+    const std::string output = MaskPath(output_path, image.Name());
+    fs::create_directories(fs::path(output).parent_path());
+    WriteGrey(output, ReadCheckedMask(input, camera.width, camera.height));
+    if (camera.IsUndistorted()) {
+      continue;
+    }
+    // Through a file, because COLMAP's bitmaps differ between versions.
+    colmap::Bitmap bitmap;
+    colmap::Bitmap undistorted_bitmap;
+    colmap::Camera undistorted_camera;
+    if (!bitmap.Read(output, /*as_rgb=*/false)) {
+      throw std::runtime_error("The mask " + output + " cannot be read.");
+    }
+    colmap::UndistortImage(
+        options, bitmap, camera, &undistorted_bitmap, &undistorted_camera);
+    undistorted_bitmap.Write(output);
+    // Interpolation has blurred the border: half and more counts as "use".
+    WriteGrey(output, Binarize(ReadGrey(output), 127));
+  }
+}
+
+}  // namespace structnerf

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <cstddef>
+
+namespace structnerf {
+
+// Memory in bytes that processes here can have: what is installed, or the
+// limit of the control group (container) if that is smaller.
+size_t AvailableMemory();
+
+// The limit that the option --StructNeRF.max_memory_gb stands for, in bytes:
+// three quarters of AvailableMemory() if it is not positive.
+size_t MemoryLimit(double max_memory_gb);
+
+// The most memory in bytes that this process has held so far.
+size_t PeakMemory();
+
+}  // namespace structnerf

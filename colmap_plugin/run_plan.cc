@@ -1,0 +1,139 @@
+#include "colmap_plugin/run_plan.h"
+
+#include "colmap_plugin/colmap_compat.h"
+#include "colmap_plugin/memory_budget.h"
+#include "nerf/reconstructor.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <stdexcept>
+#include <thread>
+
+#include <colmap/image/undistortion.h>
+
+namespace structnerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kBytesPerGb = 1024.0 * 1024.0 * 1024.0;
+
+// Depth and three planes of normals.
+constexpr size_t kStereoBytesPerPixel = 4 * sizeof(float);
+
+// The above with deviation and colour, while a view is rendered.
+constexpr size_t kDenseBytesPerPixel = 5 * sizeof(float) + 3;
+
+// A decoded photograph and its conversion.
+constexpr size_t kDecodingBytesPerPixel = 2 * 3;
+
+// Both kinds of maps, and consistency graphs that are about half full.
+constexpr size_t kDiskBytesPerPixel = 2 * kStereoBytesPerPixel + 16;
+
+constexpr int kMinTrainingImageSize = 64;
+
+std::string GbText(const size_t num_bytes) {
+  char text[32];
+  snprintf(text, sizeof(text), "%.1f GB", num_bytes / kBytesPerGb);
+  return text;
+}
+
+}  // namespace
+
+std::vector<PinholeCamera> UndistortedCameras(
+    const colmap::Reconstruction& reconstruction) {
+  const colmap::UndistortCameraOptions options;
+  std::vector<PinholeCamera> cameras;
+  for (const colmap::image_t image_id : RegisteredImageIds(reconstruction)) {
+    const colmap::Camera& distorted_camera =
+        reconstruction.Camera(reconstruction.Image(image_id).CameraId());
+    const colmap::Camera camera =
+        distorted_camera.IsUndistorted()
+            ? distorted_camera
+            : colmap::UndistortCamera(options, distorted_camera);
+    cameras.push_back({static_cast<int>(camera.width),
+                       static_cast<int>(camera.height),
+                       camera.FocalLengthX(),
+                       camera.FocalLengthY(),
+                       camera.PrincipalPointX(),
+                       camera.PrincipalPointY()});
+  }
+  return cameras;
+}
+
+MemoryPlan PlanMemory(const StructNerfOptions& options,
+                      const std::vector<PinholeCamera>& cameras) {
+  size_t width = 0;
+  size_t height = 0;
+  for (const PinholeCamera& camera : cameras) {
+    width = std::max<size_t>(width, camera.width);
+    height = std::max<size_t>(height, camera.height);
+  }
+  const size_t num_pixels = width * height;
+  const size_t num_sources = options.reconstruction.loss.num_sources;
+  const size_t min_map_bytes =
+      num_pixels *
+      (kDenseBytesPerPixel + (num_sources + 1) * kStereoBytesPerPixel);
+  const size_t decoding_bytes =
+      num_pixels * kDecodingBytesPerPixel *
+      std::max(1u, std::thread::hardware_concurrency());
+  const size_t present_bytes = PeakMemory();
+
+  MemoryPlan plan;
+  plan.limit = MemoryLimit(options.max_memory_gb);
+  ReconstructionOptions reduced = options.reconstruction;
+  int& image_size = reduced.training.max_image_size;
+  const int wanted_image_size = image_size;
+  while (true) {
+    const size_t training_bytes =
+        Reconstructor::EstimateMemory(reduced, cameras.size(), width, height);
+    const size_t needed_bytes =
+        present_bytes +
+        std::max(decoding_bytes, training_bytes + min_map_bytes);
+    if (needed_bytes <= plan.limit) {
+      plan.depth_map_bytes =
+          plan.limit - std::min(plan.limit, present_bytes + training_bytes);
+      break;
+    }
+    if (image_size <= kMinTrainingImageSize) {
+      throw std::runtime_error(
+          "The run needs about " + GbText(needed_bytes) +
+          " of memory even with the smallest images, but is limited to " +
+          GbText(plan.limit) + "; raise --StructNeRF.max_memory_gb.");
+    }
+    image_size = std::max(kMinTrainingImageSize, image_size * 3 / 4);
+  }
+  plan.max_image_size = image_size;
+  if (image_size != wanted_image_size) {
+    plan.note = "Images are reduced to " + std::to_string(image_size) +
+                " instead of " + std::to_string(wanted_image_size) +
+                " pixels to stay within " + GbText(plan.limit) +
+                " of memory (--StructNeRF.max_memory_gb).";
+  }
+  return plan;
+}
+
+void CheckDiskSpace(const std::string& output_path,
+                    const std::vector<PinholeCamera>& cameras,
+                    const size_t num_image_bytes) {
+  fs::path existing = fs::absolute(output_path);
+  while (!fs::exists(existing) && existing.has_relative_path()) {
+    existing = existing.parent_path();
+  }
+  size_t needed = num_image_bytes;
+  for (const PinholeCamera& camera : cameras) {
+    needed +=
+        static_cast<size_t>(camera.width) * camera.height * kDiskBytesPerPixel;
+  }
+  std::error_code error;
+  const fs::space_info space = fs::space(existing, error);
+  if (!error && space.available < needed) {
+    throw std::runtime_error("The results need about " + GbText(needed) +
+                             ", but the disk of " + output_path + " has only " +
+                             GbText(space.available) +
+                             " left; free some or choose another folder.");
+  }
+}
+
+}  // namespace structnerf

@@ -1,0 +1,13 @@
+#include "colmap_plugin/run_progress.h"
+
+#include <glog/logging.h>
+
+namespace structnerf {
+
+void RunProgress::Note(const std::string& sentence) { LOG(INFO) << sentence; }
+
+void RunProgress::Warn(const std::string& sentence) {
+  LOG(WARNING) << sentence;
+}
+
+}  // namespace structnerf

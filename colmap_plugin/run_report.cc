@@ -1,0 +1,255 @@
+#include "colmap_plugin/run_report.h"
+
+#include "colmap_plugin/colmap_compat.h"
+#include "colmap_plugin/memory_budget.h"
+
+#include <chrono>
+#include <cstdarg>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+#include <thread>
+
+#include <nlohmann/json.hpp>
+#include <opencv2/core/version.hpp>
+#include <sys/resource.h>
+
+namespace structnerf {
+namespace {
+
+using nlohmann::json;
+
+// Raised when a field changes its name or meaning.
+constexpr int kSchemaVersion = 1;
+
+constexpr double kBytesPerGb = 1024.0 * 1024.0 * 1024.0;
+
+double WallSeconds() {
+  return std::chrono::duration<double>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+double CpuSeconds() {
+  rusage usage;
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& time) {
+    return time.tv_sec + 1e-6 * time.tv_usec;
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+std::string CpuModel() {
+  std::ifstream file("/proc/cpuinfo");
+  std::string line;
+  while (std::getline(file, line)) {
+    const size_t colon = line.find(": ");
+    if (line.compare(0, 10, "model name") == 0 && colon != std::string::npos) {
+      return line.substr(colon + 2);
+    }
+  }
+  return "unknown";
+}
+
+struct Totals {
+  size_t num_pixels = 0;
+  size_t num_photometric = 0;
+  size_t num_geometric = 0;
+  double seconds = 0;
+  double cpu_seconds = 0;
+
+  explicit Totals(const RunReport& report) {
+    for (const ViewReport& view : report.views) {
+      num_pixels += static_cast<size_t>(view.width) * view.height;
+      num_photometric += view.num_photometric;
+      num_geometric += view.num_geometric;
+    }
+    for (const StageReport& stage : report.stages) {
+      seconds += stage.seconds;
+      cpu_seconds += stage.cpu_seconds;
+    }
+  }
+};
+
+double SamplesPerSecond(const TrainingSummary& training) {
+  return training.seconds > 0 ? training.num_samples / training.seconds : 0;
+}
+
+json OptionsJson(const std::map<std::string, OptionValue>& options) {
+  json object = json::object();
+  for (const auto& [name, value] : options) {
+    std::visit([&, &name = name](const auto& typed) { object[name] = typed; },
+               value);
+  }
+  return object;
+}
+
+json ViewsJson(const std::vector<ViewReport>& views) {
+  json array = json::array();
+  for (const ViewReport& view : views) {
+    array.push_back({{"name", view.name},
+                     {"width", view.width},
+                     {"height", view.height},
+                     {"photometric_pixels", view.num_photometric},
+                     {"geometric_pixels", view.num_geometric}});
+  }
+  return array;
+}
+
+json StagesJson(const std::vector<StageReport>& stages) {
+  json array = json::array();
+  for (const StageReport& stage : stages) {
+    array.push_back({{"name", stage.name},
+                     {"seconds", stage.seconds},
+                     {"cpu_seconds", stage.cpu_seconds}});
+  }
+  return array;
+}
+
+json TrainingJson(const TrainingSummary& training) {
+  return {{"steps", training.num_steps},
+          {"stopped_early", training.stopped_early},
+          {"final_loss", training.final_loss},
+          {"held_out_psnr", training.held_out_psnr},
+          {"seconds", training.seconds},
+          {"rays", training.num_rays},
+          {"samples", training.num_samples},
+          {"samples_per_second", SamplesPerSecond(training)},
+          {"parameters", training.num_parameters},
+          {"guards", training.guard_counts}};
+}
+
+void AppendF(std::string* text, const char* format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+void AppendF(std::string* text, const char* format, ...) {
+  char line[512];
+  va_list arguments;
+  va_start(arguments, format);
+  vsnprintf(line, sizeof(line), format, arguments);
+  va_end(arguments);
+  *text += line;
+}
+
+double Percent(const size_t part, const size_t whole) {
+  return whole > 0 ? 100.0 * part / whole : 0.0;
+}
+
+void WriteTextFile(const std::string& path, const std::string& text) {
+  const std::string partial_path = path + ".partial";
+  std::ofstream file(partial_path, std::ios::trunc);
+  file << text;
+  file.close();
+  if (file.fail()) {
+    throw std::runtime_error("The file " + path +
+                             " could not be written; is the disk full?");
+  }
+  std::filesystem::rename(partial_path, path);
+}
+
+}  // namespace
+
+void StageTimer::Begin(const std::string& name) {
+  End();
+  stages_.push_back({name, 0, 0});
+  start_seconds_ = WallSeconds();
+  start_cpu_seconds_ = CpuSeconds();
+  running_ = true;
+}
+
+void StageTimer::End() {
+  if (running_) {
+    stages_.back().seconds = WallSeconds() - start_seconds_;
+    stages_.back().cpu_seconds = CpuSeconds() - start_cpu_seconds_;
+    running_ = false;
+  }
+}
+
+std::string ReportJson(const RunReport& report) {
+  const Totals totals(report);
+  const json object = {{"schema_version", kSchemaVersion},
+                       {"versions",
+                        {{"structnerf", STRUCTNERF_VERSION},
+                         {"colmap", ColmapVersionInfo()},
+                         {"opencv", CV_VERSION},
+                         {"compiler", __VERSION__}}},
+                       {"hardware",
+                        {{"cpu", CpuModel()},
+                         {"cores", std::thread::hardware_concurrency()},
+                         {"memory_bytes", AvailableMemory()}}},
+                       {"options", OptionsJson(report.options)},
+                       {"scene",
+                        {{"views", report.views.size()},
+                         {"points", report.num_points3D},
+                         {"training_image_size", report.training_image_size}}},
+                       {"stages", StagesJson(report.stages)},
+                       {"seconds", totals.seconds},
+                       {"cpu_seconds", totals.cpu_seconds},
+                       {"memory",
+                        {{"limit_bytes", report.memory_limit},
+                         {"peak_bytes", report.peak_memory}}},
+                       {"training", TrainingJson(report.training)},
+                       {"maps",
+                        {{"pixels", totals.num_pixels},
+                         {"photometric_pixels", totals.num_photometric},
+                         {"geometric_pixels", totals.num_geometric}}},
+                       {"views", ViewsJson(report.views)},
+                       {"fusion",
+                        {{"min_num_pixels", report.fusion_min_num_pixels},
+                         {"points", report.num_fused_points}}},
+                       {"warnings", report.warnings}};
+  // Image names need not be UTF-8.
+  return object.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
+}
+
+std::string ReportText(const RunReport& report) {
+  const Totals totals(report);
+  std::string text;
+  AppendF(&text,
+          "Views             %zu\n"
+          "Pixels with depth %zu of %zu (%.1f %%), %zu (%.1f %%) confirmed by "
+          "other views\n"
+          "Points fused      %zu (min_num_pixels %d)\n",
+          report.views.size(),
+          totals.num_photometric,
+          totals.num_pixels,
+          Percent(totals.num_photometric, totals.num_pixels),
+          totals.num_geometric,
+          Percent(totals.num_geometric, totals.num_pixels),
+          report.num_fused_points,
+          report.fusion_min_num_pixels);
+  AppendF(&text,
+          "Training          %d steps%s, loss %.4f, %.2f M samples/s",
+          report.training.num_steps,
+          report.training.stopped_early ? " (stopped early)" : "",
+          report.training.final_loss,
+          1e-6 * SamplesPerSecond(report.training));
+  if (report.training.held_out_psnr >= 0) {
+    AppendF(&text, ", held-out PSNR %.2f dB", report.training.held_out_psnr);
+  }
+  AppendF(&text, "\nTime              %.1f s:", totals.seconds);
+  for (const StageReport& stage : report.stages) {
+    AppendF(&text, " %s %.1f s;", stage.name.c_str(), stage.seconds);
+  }
+  text.back() = '\n';
+  AppendF(&text,
+          "CPU time          %.1f s\n"
+          "Peak memory       %.2f GB (limit %.2f GB)\n",
+          totals.cpu_seconds,
+          report.peak_memory / kBytesPerGb,
+          report.memory_limit / kBytesPerGb);
+  for (const std::string& warning : report.warnings) {
+    text += "Warning           " + warning + "\n";
+  }
+  text += "Workspace         " + report.workspace_path + "\n";
+  return text;
+}
+
+void WriteReport(const RunReport& report, const std::string& folder) {
+  const std::filesystem::path path(folder);
+  WriteTextFile((path / "report.json").string(), ReportJson(report));
+  WriteTextFile((path / "report.txt").string(), ReportText(report));
+}
+
+}  // namespace structnerf

@@ -1,0 +1,169 @@
+#include "colmap_plugin/scene_converter.h"
+
+#include "colmap_plugin/colmap_compat.h"
+#include "colmap_plugin/masks.h"
+#include "colmap_plugin/superpixels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <future>
+#include <stdexcept>
+#include <unordered_map>
+
+#include <colmap/util/threading.h>
+
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+namespace structnerf {
+namespace {
+
+View ConvertPose(const colmap::Reconstruction& reconstruction,
+                 const colmap::image_t image_id) {
+  const colmap::Image& image = reconstruction.Image(image_id);
+  const colmap::Camera& camera = reconstruction.Camera(image.CameraId());
+  if (!camera.IsUndistorted()) {
+    throw std::runtime_error(
+        "The camera of image " + image.Name() +
+        " is not undistorted; run with --image_path, --input_path and "
+        "--output_path on the original images instead.");
+  }
+  View view;
+  view.name = image.Name();
+  view.camera.width = static_cast<int>(camera.width);
+  view.camera.height = static_cast<int>(camera.height);
+  view.camera.fx = camera.FocalLengthX();
+  view.camera.fy = camera.FocalLengthY();
+  view.camera.cx = camera.PrincipalPointX();
+  view.camera.cy = camera.PrincipalPointY();
+  const Eigen::Matrix<double, 3, 4> cam_from_world =
+      image.CamFromWorld().ToMatrix();
+  view.cam_from_world_rotation = cam_from_world.leftCols<3>();
+  view.cam_from_world_translation = cam_from_world.col(3);
+  return view;
+}
+
+cv::Mat ReadImage(const std::string& path, const PinholeCamera& camera) {
+  // COLMAP does not turn images as their EXIF data says, so neither do we.
+  const cv::Mat image =
+      cv::imread(path, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
+  if (image.empty()) {
+    throw std::runtime_error("The undistorted image " + path +
+                             " is missing or cannot be read.");
+  }
+  if (image.cols != camera.width || image.rows != camera.height) {
+    throw std::runtime_error(
+        "The undistorted image " + path + " is " + std::to_string(image.cols) +
+        "x" + std::to_string(image.rows) + ", but its camera is " +
+        std::to_string(camera.width) + "x" + std::to_string(camera.height) +
+        "; undistort the images again with this model.");
+  }
+  return image;
+}
+
+cv::Size ReducedSize(const PinholeCamera& camera, const int max_image_size) {
+  const double scale =
+      std::min(1.0,
+               max_image_size /
+                   static_cast<double>(std::max(camera.width, camera.height)));
+  return {std::max(1, static_cast<int>(std::lround(scale * camera.width))),
+          std::max(1, static_cast<int>(std::lround(scale * camera.height)))};
+}
+
+void LoadPixels(const SceneConverterOptions& options, View* view) {
+  const std::string path =
+      (std::filesystem::path(options.image_path) / view->name).string();
+  const cv::Mat full_image = ReadImage(path, view->camera);
+  const cv::Size size = ReducedSize(view->camera, options.max_image_size);
+  cv::Mat image;
+  cv::resize(full_image, image, size, 0, 0, cv::INTER_AREA);
+  cv::cvtColor(image, image, cv::COLOR_BGR2RGB);
+  view->image.width = size.width;
+  view->image.height = size.height;
+  view->image.data.assign(image.datastart, image.dataend);
+
+  if (!options.mask_path.empty()) {
+    std::vector<uint8_t> full_mask = ReadMask(
+        options.mask_path, view->name, view->camera.width, view->camera.height);
+    if (!full_mask.empty()) {
+      cv::Mat mask(
+          view->camera.height, view->camera.width, CV_8U, full_mask.data());
+      cv::resize(mask, mask, size, 0, 0, cv::INTER_AREA);
+      // A reduced pixel is used only if all it covers is.
+      cv::threshold(mask, mask, 254, 255, cv::THRESH_BINARY);
+      view->mask.assign(mask.datastart, mask.dataend);
+    }
+  }
+
+  if (options.planar_min_area > 0) {
+    const double area_ratio = static_cast<double>(size.area()) /
+                              view->camera.width / view->camera.height;
+    view->segments = FindLargeSuperpixels(
+        view->image,
+        std::max(1, static_cast<int>(options.planar_min_area * area_ratio)));
+  }
+}
+
+std::vector<SparsePoint> ConvertPoints(
+    const colmap::Reconstruction& reconstruction,
+    const std::unordered_map<colmap::image_t, int>& view_idxs) {
+  std::vector<colmap::point3D_t> point3D_ids;
+  for (const auto& point3D : reconstruction.Points3D()) {
+    point3D_ids.push_back(point3D.first);
+  }
+  std::sort(point3D_ids.begin(), point3D_ids.end());
+
+  std::vector<SparsePoint> points;
+  points.reserve(point3D_ids.size());
+  for (const colmap::point3D_t point3D_id : point3D_ids) {
+    const auto& point3D = reconstruction.Point3D(point3D_id);
+    SparsePoint point;
+    point.xyz = point3D.xyz;
+    point.error = point3D.HasError() ? point3D.error : -1;
+    for (const auto& element : point3D.track.Elements()) {
+      const auto view_idx = view_idxs.find(element.image_id);
+      if (view_idx != view_idxs.end()) {
+        const colmap::Image& image = reconstruction.Image(element.image_id);
+        point.track.push_back(
+            {view_idx->second, image.Point2D(element.point2D_idx).xy});
+      }
+    }
+    points.push_back(std::move(point));
+  }
+  return points;
+}
+
+}  // namespace
+
+Scene ConvertScene(const colmap::Reconstruction& reconstruction,
+                   const SceneConverterOptions& options,
+                   Progress* progress) {
+  Scene scene;
+  std::unordered_map<colmap::image_t, int> view_idxs;
+  for (const colmap::image_t image_id : RegisteredImageIds(reconstruction)) {
+    view_idxs.emplace(image_id, static_cast<int>(scene.views.size()));
+    scene.views.push_back(ConvertPose(reconstruction, image_id));
+  }
+  scene.points = ConvertPoints(reconstruction, view_idxs);
+
+  colmap::ThreadPool thread_pool;
+  std::vector<std::shared_future<void>> futures;
+  futures.reserve(scene.views.size());
+  for (View& view : scene.views) {
+    futures.push_back(thread_pool.AddTask(LoadPixels, options, &view));
+  }
+  ProgressUpdate update;
+  update.stage = "Loading images";
+  for (size_t i = 0; i < futures.size(); ++i) {
+    futures[i].get();
+    update.fraction = static_cast<double>(i + 1) / futures.size();
+    progress->Report(update);
+    if (progress->ShouldAbort()) {
+      throw Aborted();
+    }
+  }
+  return scene;
+}
+
+}  // namespace structnerf

@@ -1,0 +1,36 @@
+#pragma once
+
+#include "nerf/progress.h"
+#include "nerf/scene.h"
+
+#include <string>
+
+#include <colmap/scene/reconstruction.h>
+
+namespace structnerf {
+
+struct SceneConverterOptions {
+  // Folder with the undistorted images.
+  std::string image_path;
+
+  // Folder with the masks of the undistorted images; empty = none.
+  std::string mask_path;
+
+  // Images are reduced to this many pixels along their longer side.
+  int max_image_size = 320;
+
+  // Area in pixels of the full-size image from which on a superpixel is taken
+  // for a plane; 0 = do not look for superpixels.
+  int planar_min_area = 1000;
+};
+
+// Makes the method's scene from an undistorted COLMAP model. The views are in
+// the order of the model's registered images (as in colmap::mvs::Model), the
+// points in that of their identifiers. Only the reduced images stay in memory.
+// Throws std::runtime_error, naming the image or mask, if one cannot be read
+// or does not have the size of its camera; Aborted if told to.
+Scene ConvertScene(const colmap::Reconstruction& reconstruction,
+                   const SceneConverterOptions& options,
+                   Progress* progress);
+
+}  // namespace structnerf

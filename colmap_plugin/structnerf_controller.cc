@@ -1,0 +1,399 @@
+#include "colmap_plugin/structnerf_controller.h"
+
+#include "colmap_plugin/cloud_fusion.h"
+#include "colmap_plugin/colmap_compat.h"
+#include "colmap_plugin/input_check.h"
+#include "colmap_plugin/masks.h"
+#include "colmap_plugin/memory_budget.h"
+#include "colmap_plugin/scene_converter.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <new>
+#include <stdexcept>
+#include <utility>
+
+namespace structnerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+size_t CountDepths(const std::vector<float>& depth) {
+  return depth.size() - std::count(depth.begin(), depth.end(), 0.0f);
+}
+
+void ClearPixel(const size_t pixel_idx, StereoMaps* maps) {
+  const size_t num_pixels = maps->depth.size();
+  maps->depth[pixel_idx] = 0;
+  for (size_t plane = 0; plane < 3; ++plane) {
+    maps->normal[plane * num_pixels + pixel_idx] = 0;
+  }
+}
+
+// For work on one view of many, whose own fractions would only confuse.
+class SilentProgress : public Progress {
+ public:
+  explicit SilentProgress(Progress* progress) : progress_(progress) {}
+  bool ShouldStop() override { return progress_->ShouldStop(); }
+  bool ShouldAbort() override { return progress_->ShouldAbort(); }
+
+ private:
+  Progress* progress_;
+};
+
+size_t TotalFileSize(const colmap::Reconstruction& reconstruction,
+                     const std::string& image_path) {
+  size_t num_bytes = 0;
+  for (const std::string& name : ImageNames(reconstruction)) {
+    num_bytes += fs::file_size(fs::path(image_path) / name);
+  }
+  return num_bytes;
+}
+
+}  // namespace
+
+// Passes everything on, and lets COLMAP's way of stopping a controller stop
+// the training too.
+class StructNerfController::ControllerProgress : public RunProgress {
+ public:
+  ControllerProgress(StructNerfController* controller, RunProgress* progress)
+      : controller_(controller), progress_(progress) {}
+
+  void Report(const ProgressUpdate& update) override {
+    stage_ = update.stage;
+    progress_->Report(update);
+  }
+  bool ShouldStop() override {
+    return progress_->ShouldStop() || controller_->CheckIfStopped();
+  }
+  bool ShouldAbort() override { return progress_->ShouldAbort(); }
+  void Note(const std::string& sentence) override { progress_->Note(sentence); }
+  void Warn(const std::string& sentence) override { progress_->Warn(sentence); }
+
+  const std::string& Stage() const { return stage_; }
+
+ private:
+  StructNerfController* controller_;
+  RunProgress* progress_;
+  std::string stage_;
+};
+
+StructNerfController::StructNerfController(
+    const StructNerfOptions& options,
+    std::shared_ptr<const colmap::Reconstruction> reconstruction,
+    RunProgress* progress)
+    : options_(options),
+      reconstruction_(std::move(reconstruction)),
+      progress_(std::make_unique<ControllerProgress>(this, progress)) {}
+
+StructNerfController::~StructNerfController() = default;
+
+void StructNerfController::Run() {
+  try {
+    RunStages();
+    status_ = Status::kSuccess;
+  } catch (const Aborted&) {
+    status_ = Status::kAborted;
+  } catch (const std::bad_alloc&) {
+    status_ = Status::kFailed;
+    error_ =
+        "The memory did not suffice; lower --StructNeRF.max_memory_gb or "
+        "--StructNeRF.max_image_size.";
+  } catch (const std::exception& error) {
+    status_ = Status::kFailed;
+    error_ = error.what();
+  }
+  depth_maps_.reset();
+  reconstructor_.reset();
+  staged_folder_.reset();
+}
+
+void StructNerfController::RunStages() {
+  CheckInput();
+  staged_folder_ = std::make_unique<StagedFolder>(
+      HasNewWorkspace() ? options_.output_path : options_.workspace_path);
+  workspace_ = std::make_unique<DenseWorkspace>(staged_folder_->Path());
+  UndistortImages();
+  LoadScene();
+  if (progress_->ShouldStop()) {
+    throw Aborted();  // nothing has been learned that could be written
+  }
+  Train();
+  RenderMaps();
+  CheckConsistency();
+  FusePoints();
+  WriteResults();
+}
+
+void StructNerfController::CheckInput() {
+  if (!HasNewWorkspace()) {
+    const DenseWorkspace workspace(options_.workspace_path);
+    reconstruction_ = std::make_shared<colmap::Reconstruction>(
+        ReadModel(workspace.SparsePath()));
+    options_.image_path = workspace.ImagesPath();
+  }
+  CheckModel(*reconstruction_);
+  CheckImages(*reconstruction_, options_.image_path);
+  if (!options_.mask_path.empty()) {
+    CheckMasks(*reconstruction_, options_.mask_path);
+  }
+  CheckOutput(ImageNames(*reconstruction_));
+
+  const auto cameras = UndistortedCameras(*reconstruction_);
+  CheckDiskSpace(
+      HasNewWorkspace() ? options_.output_path : options_.workspace_path,
+      cameras,
+      HasNewWorkspace() ? TotalFileSize(*reconstruction_, options_.image_path)
+                        : 0);
+  memory_plan_ = PlanMemory(options_, cameras);
+  options_.reconstruction.training.max_image_size = memory_plan_.max_image_size;
+  report_.memory_limit = memory_plan_.limit;
+  if (!memory_plan_.note.empty()) {
+    progress_->Note(memory_plan_.note);
+  }
+}
+
+void StructNerfController::CheckOutput(
+    const std::vector<std::string>& image_names) const {
+  const std::string& path =
+      HasNewWorkspace() ? options_.output_path : options_.workspace_path;
+  const DenseWorkspace workspace(path);
+  if (HasNewWorkspace() && fs::exists(workspace.ImagesPath()) &&
+      fs::equivalent(workspace.ImagesPath(), options_.image_path)) {
+    throw std::runtime_error("The output folder " + path +
+                             " would overwrite the original images in " +
+                             options_.image_path + "; choose another one.");
+  }
+  if (options_.overwrite) {
+    return;
+  }
+  const auto results = workspace.FindResults(image_names, /*limit=*/1);
+  if (!results.empty()) {
+    throw std::runtime_error(
+        "The folder " + path + " already holds dense results (" + results[0] +
+        "); pass --overwrite to replace them or choose another folder.");
+  }
+  if (HasNewWorkspace() && (fs::exists(workspace.ImagesPath()) ||
+                            fs::exists(workspace.SparsePath()))) {
+    throw std::runtime_error(
+        "The folder " + path +
+        " already holds a workspace; pass it as --workspace_path instead of "
+        "--output_path to use it, or pass --overwrite to replace it.");
+  }
+}
+
+void StructNerfController::UndistortImages() {
+  BeginStage("Undistorting images");
+  mask_path_ = options_.mask_path;
+  if (!HasNewWorkspace()) {
+    // Fusion finds images and model beside the maps that are being made.
+    fs::create_directory_symlink(fs::canonical(options_.image_path),
+                                 workspace_->ImagesPath());
+    fs::create_directory_symlink(
+        fs::canonical(DenseWorkspace(options_.workspace_path).SparsePath()),
+        workspace_->SparsePath());
+  } else {
+    size_t num_done = 0;
+    CreateUndistortedWorkspace(
+        *reconstruction_, options_.image_path, workspace_->Path(), [&]() {
+          ReportFraction(num_done++, reconstruction_->NumRegImages());
+          return progress_->ShouldStop();
+        });
+    if (progress_->ShouldStop()) {
+      throw Aborted();
+    }
+    for (const std::string& name : ImageNames(*reconstruction_)) {
+      if (!fs::exists(workspace_->ImagePath(name))) {
+        throw std::runtime_error(
+            "The image " + (fs::path(options_.image_path) / name).string() +
+            " could not be undistorted; it is damaged or the disk is full.");
+      }
+    }
+    if (!options_.mask_path.empty()) {
+      mask_path_ = (fs::path(workspace_->ReportFolder()) / "masks").string();
+      UndistortMasks(*reconstruction_, options_.mask_path, mask_path_);
+    }
+    // The order of the images in this file is what the results refer to.
+    reconstruction_ = std::make_shared<colmap::Reconstruction>(
+        ReadModel(workspace_->SparsePath()));
+  }
+  image_names_ = ImageNames(*reconstruction_);
+  workspace_->CreateFolders(image_names_);
+}
+
+void StructNerfController::LoadScene() {
+  BeginStage("Loading images");
+  SceneConverterOptions converter_options;
+  converter_options.image_path = workspace_->ImagesPath();
+  converter_options.mask_path = mask_path_;
+  converter_options.max_image_size =
+      options_.reconstruction.training.max_image_size;
+  converter_options.planar_min_area =
+      options_.reconstruction.loss.planar_weight > 0
+          ? options_.reconstruction.loss.planar_min_area
+          : 0;
+  Scene scene =
+      ConvertScene(*reconstruction_, converter_options, progress_.get());
+  report_.num_points3D = static_cast<int>(scene.points.size());
+  report_.training_image_size = converter_options.max_image_size;
+  for (const View& view : scene.views) {
+    scene_.views.push_back(view);
+    scene_.views.back().image = RgbImage();
+    scene_.views.back().mask.clear();
+    scene_.views.back().segments.clear();
+  }
+  reconstructor_ = std::make_unique<Reconstructor>(std::move(scene),
+                                                   options_.reconstruction);
+  for (const std::string& warning : reconstructor_->Warnings()) {
+    Warn(warning);
+  }
+}
+
+void StructNerfController::Train() {
+  BeginStage("Training");
+  reconstructor_->Train(progress_.get());
+  report_.training = reconstructor_->Summary();
+  source_views_ = reconstructor_->SourceViews();
+}
+
+void StructNerfController::RenderMaps() {
+  BeginStage("Rendering depth maps");
+  depth_maps_ = std::make_unique<DepthMapCache>(
+      workspace_.get(), image_names_, memory_plan_.depth_map_bytes);
+  for (size_t i = 0; i < image_names_.size(); ++i) {
+    SilentProgress view_progress(progress_.get());
+    DenseMaps rendered = reconstructor_->RenderView(i, &view_progress);
+    StereoMaps maps{rendered.width,
+                    rendered.height,
+                    std::move(rendered.depth),
+                    std::move(rendered.normal)};
+    if (!mask_path_.empty()) {
+      const auto mask =
+          ReadMask(mask_path_, image_names_[i], maps.width, maps.height);
+      for (size_t pixel_idx = 0; pixel_idx < mask.size(); ++pixel_idx) {
+        if (mask[pixel_idx] == 0) {
+          ClearPixel(pixel_idx, &maps);
+        }
+      }
+    }
+    workspace_->WriteMaps(image_names_[i], MapType::kPhotometric, maps);
+    report_.views.push_back({image_names_[i],
+                             maps.width,
+                             maps.height,
+                             CountDepths(maps.depth),
+                             /*num_geometric=*/0});
+    depth_maps_->Insert(i, std::move(maps));
+    ReportFraction(i + 1, image_names_.size());
+  }
+  reconstructor_->SaveField(
+      (fs::path(workspace_->ReportFolder()) / "field.bin").string());
+  reconstructor_.reset();
+}
+
+void StructNerfController::CheckConsistency() {
+  BeginStage("Checking consistency");
+  ExtractionOptions extraction = options_.reconstruction.extraction;
+  extraction.min_num_consistent = std::min(
+      extraction.min_num_consistent, static_cast<int>(image_names_.size()) - 1);
+  for (size_t i = 0; i < image_names_.size(); ++i) {
+    std::vector<int> required = source_views_[i];
+    required.push_back(static_cast<int>(i));
+    const std::vector<DenseMaps>& all_maps = depth_maps_->Require(required);
+    const auto records =
+        FindConsistentPixels(scene_, all_maps, i, source_views_[i], extraction);
+
+    const DenseMaps& photometric = all_maps[i];
+    std::vector<char> is_consistent(photometric.depth.size(), 0);
+    for (const ConsistencyRecord& record : records) {
+      is_consistent[record.row * photometric.width + record.col] = 1;
+    }
+    StereoMaps maps{photometric.width,
+                    photometric.height,
+                    photometric.depth,
+                    photometric.normal};
+    for (size_t pixel_idx = 0; pixel_idx < is_consistent.size(); ++pixel_idx) {
+      if (!is_consistent[pixel_idx]) {
+        ClearPixel(pixel_idx, &maps);
+      }
+    }
+    workspace_->WriteMaps(image_names_[i], MapType::kGeometric, maps);
+    workspace_->WriteConsistencyGraph(
+        image_names_[i], maps.width, maps.height, records);
+    report_.views[i].num_geometric = CountDepths(maps.depth);
+    ReportFraction(i + 1, image_names_.size());
+  }
+  depth_maps_.reset();
+  workspace_->WriteConfigs(image_names_, source_views_);
+}
+
+void StructNerfController::FusePoints() {
+  BeginStage("Fusing points");
+  colmap::mvs::StereoFusionOptions fusion_options = options_.fusion;
+  if (fusion_options.min_num_pixels == 0) {
+    fusion_options.min_num_pixels = DefaultMinNumPixels(image_names_.size());
+  }
+  report_.fusion_min_num_pixels = fusion_options.min_num_pixels;
+  const std::string note =
+      FitFusionIntoMemory(UndistortedCameras(*reconstruction_),
+                          memory_plan_.limit,
+                          &fusion_options);
+  if (!note.empty()) {
+    progress_->Note(note);
+  }
+  report_.num_fused_points =
+      FuseMaps(*workspace_,
+               options_.input_type == "geometric" ? MapType::kGeometric
+                                                  : MapType::kPhotometric,
+               fusion_options,
+               image_names_.size(),
+               progress_.get());
+  if (report_.num_fused_points == 0) {
+    Warn(
+        "No points were fused: too few views agree on a depth. Lower "
+        "--StereoFusion.min_num_pixels (now " +
+        std::to_string(fusion_options.min_num_pixels) +
+        "), fuse with --StructNeRF.input_type photometric, or add images "
+        "that overlap more.");
+  }
+}
+
+void StructNerfController::WriteResults() {
+  timer_.End();
+  report_.stages = timer_.Stages();
+  report_.peak_memory = PeakMemory();
+  report_.workspace_path =
+      HasNewWorkspace() ? options_.output_path : options_.workspace_path;
+  for (const OptionEntry& entry : MakeOptionTable(&options_)) {
+    report_.options.emplace(entry.name, entry.Value());
+  }
+  WriteReport(report_, workspace_->ReportFolder());
+  staged_folder_->Commit();
+}
+
+void StructNerfController::BeginStage(const std::string& name) {
+  timer_.Begin(name);
+  ProgressUpdate update;
+  update.stage = name;
+  progress_->Report(update);
+  if (progress_->ShouldAbort()) {
+    throw Aborted();
+  }
+}
+
+void StructNerfController::ReportFraction(const size_t num_done,
+                                          const size_t num_all) {
+  ProgressUpdate update;
+  update.stage = progress_->Stage();
+  update.fraction = static_cast<double>(num_done) / num_all;
+  progress_->Report(update);
+  if (progress_->ShouldAbort()) {
+    throw Aborted();
+  }
+}
+
+void StructNerfController::Warn(const std::string& sentence) {
+  report_.warnings.push_back(sentence);
+  progress_->Warn(sentence);
+}
+
+}  // namespace structnerf

@@ -1,0 +1,93 @@
+#pragma once
+
+#include "colmap_plugin/dense_workspace.h"
+#include "colmap_plugin/depth_map_cache.h"
+#include "colmap_plugin/run_plan.h"
+#include "colmap_plugin/run_progress.h"
+#include "colmap_plugin/run_report.h"
+#include "colmap_plugin/staged_folder.h"
+#include "colmap_plugin/structnerf_options.h"
+#include "nerf/reconstructor.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <colmap/scene/reconstruction.h>
+#include <colmap/util/base_controller.h>
+
+namespace structnerf {
+
+// The dense stage: from a sparse model to depth and normal maps and a fused
+// cloud in COLMAP's dense workspace. Results appear in the workspace all at
+// once at the end; a run that fails leaves the disk as it was.
+class StructNerfController : public colmap::BaseController {
+ public:
+  enum class Status { kNotRun, kSuccess, kFailed, kAborted };
+
+  // `reconstruction` is the distorted model that belongs to
+  // `options.image_path`; null when `options.workspace_path` is set, whose
+  // model is used. `progress` must outlive this object.
+  StructNerfController(
+      const StructNerfOptions& options,
+      std::shared_ptr<const colmap::Reconstruction> reconstruction,
+      RunProgress* progress);
+  ~StructNerfController() override;
+
+  // Does not throw. Training ends early, and the later stages still run, when
+  // CheckIfStopped() or the progress says so.
+  void Run() override;
+
+  Status GetStatus() const { return status_; }
+
+  // One sentence for people; empty unless failed.
+  const std::string& Error() const { return error_; }
+
+  // Complete after success.
+  const RunReport& Report() const { return report_; }
+
+ private:
+  class ControllerProgress;
+
+  void RunStages();
+
+  // Throw before anything is written if the input cannot work.
+  void CheckInput();
+  void CheckOutput(const std::vector<std::string>& image_names) const;
+
+  void UndistortImages();
+  void LoadScene();
+  void Train();
+  void RenderMaps();
+  void CheckConsistency();
+  void FusePoints();
+  void WriteResults();
+
+  void BeginStage(const std::string& name);
+  void ReportFraction(size_t num_done, size_t num_all);
+  void Warn(const std::string& sentence);
+  bool HasNewWorkspace() const { return options_.workspace_path.empty(); }
+
+  StructNerfOptions options_;
+  std::shared_ptr<const colmap::Reconstruction> reconstruction_;
+  std::unique_ptr<ControllerProgress> progress_;
+
+  MemoryPlan memory_plan_;
+  std::unique_ptr<StagedFolder> staged_folder_;
+  std::unique_ptr<DenseWorkspace> workspace_;  // in the staged folder
+  std::string mask_path_;                      // of the undistorted images
+  std::vector<std::string> image_names_;
+
+  // Cameras and poses only; the reconstructor has pixels and points.
+  Scene scene_;
+  std::unique_ptr<Reconstructor> reconstructor_;
+  std::vector<std::vector<int>> source_views_;
+  std::unique_ptr<DepthMapCache> depth_maps_;
+
+  StageTimer timer_;
+  RunReport report_;
+  Status status_ = Status::kNotRun;
+  std::string error_;
+};
+
+}  // namespace structnerf

@@ -1,0 +1,45 @@
+#pragma once
+
+#include "nerf/options.h"
+
+#include <string>
+
+#include <colmap/mvs/fusion.h>
+
+namespace structnerf {
+
+// Everything a run of the dense stage can be told.
+struct StructNerfOptions {
+  // Either the original images and a new workspace that they are undistorted
+  // into ...
+  std::string image_path;
+  std::string output_path;
+
+  // ... or a workspace that image_undistorter has made.
+  std::string workspace_path;
+
+  // Masks in COLMAP's naming, of the original images or, with
+  // `workspace_path`, of the undistorted ones. Empty = none.
+  std::string mask_path;
+
+  // Replace dense results that exist already.
+  bool overwrite = false;
+
+  // Quality word that `reconstruction` was made from.
+  std::string quality = "medium";
+  ReconstructionOptions reconstruction;
+
+  // Memory to stay within, in GB; not positive = three quarters of what the
+  // machine has.
+  double max_memory_gb = -1;
+
+  // Maps that are fused: "geometric" or "photometric".
+  std::string input_type = "geometric";
+
+  // min_num_pixels 0 = chosen from the number of views.
+  colmap::mvs::StereoFusionOptions fusion;
+
+  StructNerfOptions() { fusion.min_num_pixels = 0; }
+};
+
+}  // namespace structnerf

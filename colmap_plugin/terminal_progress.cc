@@ -1,0 +1,207 @@
+#include "colmap_plugin/terminal_progress.h"
+
+#include "colmap_plugin/interrupts.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+namespace structnerf {
+namespace {
+
+constexpr double kSecondsBetweenDraws = 0.1;
+constexpr double kFractionBetweenLines = 0.1;
+constexpr int kBarWidth = 24;
+constexpr int kStageWidth = 20;
+
+double SystemSeconds() {
+  return std::chrono::duration<double>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+std::string PercentText(const double fraction) {
+  return std::to_string(static_cast<int>(std::floor(100 * fraction))) + " %";
+}
+
+// Remaining time, loss and PSNR, as far as they are known.
+std::string DetailText(const ProgressUpdate& update) {
+  std::string text;
+  char number[64];
+  if (update.seconds_left >= 0 && update.fraction < 1) {
+    text += ", " + DurationText(update.seconds_left) + " left";
+  }
+  if (update.loss >= 0) {
+    snprintf(number, sizeof(number), ", loss %.4f", update.loss);
+    text += number;
+  }
+  if (update.held_out_psnr >= 0) {
+    snprintf(number,
+             sizeof(number),
+             ", held-out PSNR %.1f dB",
+             update.held_out_psnr);
+    text += number;
+  }
+  return text;
+}
+
+std::string BarText(const double fraction) {
+  const int num_full = static_cast<int>(std::floor(fraction * kBarWidth));
+  return "[" + std::string(num_full, '#') +
+         std::string(kBarWidth - num_full, '.') + "]";
+}
+
+}  // namespace
+
+std::string DurationText(const double seconds) {
+  const int64_t rounded = std::max<int64_t>(0, std::llround(seconds));
+  char text[64];
+  if (rounded < 60) {
+    snprintf(text, sizeof(text), "%d s", static_cast<int>(rounded));
+  } else if (rounded < 3600) {
+    snprintf(text,
+             sizeof(text),
+             "%d:%02d min",
+             static_cast<int>(rounded / 60),
+             static_cast<int>(rounded % 60));
+  } else {
+    snprintf(text,
+             sizeof(text),
+             "%lld:%02d:%02d h",
+             static_cast<long long>(rounded / 3600),
+             static_cast<int>(rounded / 60 % 60),
+             static_cast<int>(rounded % 60));
+  }
+  return text;
+}
+
+TerminalProgress::Options TerminalProgress::OptionsFor(
+    const int file_descriptor) {
+  Options options;
+  options.is_terminal = isatty(file_descriptor) == 1;
+  winsize size = {};
+  if (options.is_terminal && ioctl(file_descriptor, TIOCGWINSZ, &size) == 0 &&
+      size.ws_col > 0) {
+    options.num_columns = size.ws_col;
+  }
+  return options;
+}
+
+TerminalProgress::TerminalProgress(std::ostream* stream, Options options)
+    : stream_(stream), options_([&options]() {
+        if (!options.seconds) {
+          options.seconds = SystemSeconds;
+        }
+        return std::move(options);
+      }()) {}
+
+TerminalProgress::~TerminalProgress() { Finish(); }
+
+void TerminalProgress::Report(const ProgressUpdate& update) {
+  if (update.stage != last_update_.stage) {
+    BeginStage(update.stage);
+  }
+  const double now = options_.seconds();
+  ProgressUpdate shown = update;
+  shown.fraction = std::clamp(update.fraction, 0.0, 1.0);
+  if (shown.seconds_left < 0 && shown.fraction > 0) {
+    shown.seconds_left =
+        (now - stage_start_) * (1 - shown.fraction) / shown.fraction;
+  }
+  // The last known numbers stay visible.
+  shown.loss = update.loss >= 0 ? update.loss : last_update_.loss;
+  shown.held_out_psnr = update.held_out_psnr >= 0 ? update.held_out_psnr
+                                                  : last_update_.held_out_psnr;
+  last_update_ = shown;
+
+  if (options_.is_terminal) {
+    if (now - last_drawn_ >= kSecondsBetweenDraws) {
+      last_drawn_ = now;
+      Draw(shown);
+    }
+  } else if (shown.fraction >= next_fraction_) {
+    *stream_ << shown.stage << ": " << PercentText(shown.fraction)
+             << DetailText(shown) << std::endl;
+    next_fraction_ =
+        shown.fraction < 1
+            ? (std::floor(shown.fraction / kFractionBetweenLines) + 1) *
+                  kFractionBetweenLines
+            : 2;  // no line beyond the last
+  }
+}
+
+bool TerminalProgress::ShouldStop() {
+  if (ScopedInterrupts::Count() == 0) {
+    return false;
+  }
+  if (!announced_stop_) {
+    announced_stop_ = true;
+    PrintSentence(
+        "Stopping the training; maps are written from what was learned. Press "
+        "Ctrl-C again to quit without writing anything.");
+  }
+  return true;
+}
+
+bool TerminalProgress::ShouldAbort() { return ScopedInterrupts::Count() >= 2; }
+
+void TerminalProgress::Note(const std::string& sentence) {
+  PrintSentence(sentence);
+}
+
+void TerminalProgress::Warn(const std::string& sentence) {
+  PrintSentence("Warning: " + sentence);
+}
+
+void TerminalProgress::Finish() {
+  if (!options_.is_terminal || !line_open_) {
+    return;
+  }
+  char text[256];
+  snprintf(text,
+           sizeof(text),
+           "\r\033[K%-*s %s",
+           kStageWidth,
+           last_update_.stage.c_str(),
+           DurationText(options_.seconds() - stage_start_).c_str());
+  *stream_ << text << std::endl;
+  line_open_ = false;
+}
+
+void TerminalProgress::BeginStage(const std::string& stage) {
+  Finish();
+  last_update_ = ProgressUpdate();
+  last_update_.stage = stage;
+  stage_start_ = options_.seconds();
+  last_drawn_ = 0;
+  next_fraction_ = 0;
+}
+
+void TerminalProgress::Draw(const ProgressUpdate& update) {
+  char stage[64];
+  snprintf(stage, sizeof(stage), "%-*s ", kStageWidth, update.stage.c_str());
+  std::string line = stage + BarText(update.fraction) + " " +
+                     PercentText(update.fraction) + DetailText(update);
+  // A line that wraps could not be redrawn in place.
+  line.resize(
+      std::min<size_t>(line.size(), std::max(1, options_.num_columns - 1)));
+  *stream_ << "\r\033[K" << line << std::flush;
+  line_open_ = true;
+}
+
+void TerminalProgress::PrintSentence(const std::string& sentence) {
+  if (line_open_) {
+    *stream_ << "\r\033[K";
+  }
+  *stream_ << sentence << std::endl;
+  if (line_open_) {
+    Draw(last_update_);
+  }
+}
+
+}  // namespace structnerf
