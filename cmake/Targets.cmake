@@ -19,10 +19,12 @@ function(structnerf_library name)
   structnerf_compile_options(${name})
 endfunction()
 
-# structnerf_test(path/x_test.cc libraries...): a GoogleTest program whose ctest
-# name is its path below tests/ without the suffix.
+# structnerf_test(x_test.cc libraries...): a GoogleTest program whose ctest name
+# is its path below tests/ without the suffix.
 function(structnerf_test source)
-  string(REGEX REPLACE "\\.cc$" "" name ${source})
+  cmake_path(ABSOLUTE_PATH source BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR})
+  file(RELATIVE_PATH name ${PROJECT_SOURCE_DIR}/tests ${source})
+  string(REGEX REPLACE "\\.cc$" "" name ${name})
   string(REPLACE "/" "_" target ${name})
   add_executable(${target} ${source})
   target_link_libraries(${target} PRIVATE ${ARGN} GTest::gtest_main GTest::gmock)
