@@ -132,6 +132,7 @@ bool ParseDenseCommand(const std::vector<std::string>& raw_args,
   return true;
 }
 
+// Runs the controller on a terminal; throws what it failed with.
 int RunController(const DenseCommand& command) {
   std::shared_ptr<const colmap::Reconstruction> reconstruction;
   if (command.options.workspace_path.empty()) {
@@ -141,21 +142,21 @@ int RunController(const DenseCommand& command) {
   const ScopedInterrupts interrupts;
   // COLMAP's own lines would tear the progress line apart.
   const ScopedLogLevel quiet(google::GLOG_WARNING);
-  TerminalProgress progress(&std::cerr,
-                            TerminalProgress::OptionsFor(STDERR_FILENO));
-  StructNerfController controller(command.options, reconstruction, &progress);
+  auto progress = std::make_unique<TerminalProgress>(
+      &std::cerr, TerminalProgress::OptionsFor(STDERR_FILENO));
+  StructNerfController controller(
+      command.options, reconstruction, progress.get());
   controller.Run();
-  progress.Finish();
-  switch (controller.GetStatus()) {
-    case StructNerfController::Status::kSuccess:
-      std::cout << ReportText(controller.Report()) << std::flush;
-      return EXIT_SUCCESS;
-    case StructNerfController::Status::kAborted:
-      std::cerr << "Quit; nothing was written." << std::endl;
-      return EXIT_FAILURE;
-    default:
-      throw std::runtime_error(controller.Error());
+  if (controller.GetStatus() == StructNerfController::Status::kSuccess) {
+    progress->Finish();
+    std::cout << ReportText(controller.Report()) << std::flush;
+    return EXIT_SUCCESS;
   }
+  progress.reset();  // ends the progress line before the message
+  if (controller.GetStatus() == StructNerfController::Status::kAborted) {
+    throw std::runtime_error("Quit before the end; nothing was written.");
+  }
+  throw std::runtime_error(controller.Error());
 }
 
 }  // namespace

@@ -243,7 +243,8 @@ std::vector<OptionEntry> MakeOptionTable(StructNerfOptions* options) {
        -1},
       {"StructNeRF.input_type",
        &options->input_type,
-       "Maps that are fused {geometric, photometric}"}};
+       "Maps that are fused {geometric, photometric}; "
+       "StereoFusion.min_num_pixels 0 is chosen from the number of views"}};
   ReconstructionOptions* reconstruction = &options->reconstruction;
   for (const auto& entries : {FieldEntries(&reconstruction->field),
                               SamplingEntries(&reconstruction->sampling),

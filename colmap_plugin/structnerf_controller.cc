@@ -202,6 +202,7 @@ void StructNerfController::UndistortImages() {
     if (progress_->ShouldStop()) {
       throw Aborted();
     }
+    ReportFraction(1, 1);
     for (const std::string& name : ImageNames(*reconstruction_)) {
       if (!fs::exists(workspace_->ImagePath(name))) {
         throw std::runtime_error(

@@ -15,6 +15,7 @@ namespace structnerf {
 namespace {
 
 constexpr double kSecondsBetweenDraws = 0.1;
+constexpr double kSecondsBetweenLines = 1;
 constexpr double kFractionBetweenLines = 0.1;
 constexpr int kBarWidth = 24;
 constexpr int kStageWidth = 20;
@@ -33,7 +34,7 @@ std::string PercentText(const double fraction) {
 std::string DetailText(const ProgressUpdate& update) {
   std::string text;
   char number[64];
-  if (update.seconds_left >= 0 && update.fraction < 1) {
+  if (update.seconds_left >= 0 && update.fraction > 0 && update.fraction < 1) {
     text += ", " + DurationText(update.seconds_left) + " left";
   }
   if (update.loss >= 0) {
@@ -100,7 +101,11 @@ TerminalProgress::TerminalProgress(std::ostream* stream, Options options)
         return std::move(options);
       }()) {}
 
-TerminalProgress::~TerminalProgress() { Finish(); }
+TerminalProgress::~TerminalProgress() {
+  if (line_open_) {
+    *stream_ << std::endl;
+  }
+}
 
 void TerminalProgress::Report(const ProgressUpdate& update) {
   if (update.stage != last_update_.stage) {
@@ -124,14 +129,8 @@ void TerminalProgress::Report(const ProgressUpdate& update) {
       last_drawn_ = now;
       Draw(shown);
     }
-  } else if (shown.fraction >= next_fraction_) {
-    *stream_ << shown.stage << ": " << PercentText(shown.fraction)
-             << DetailText(shown) << std::endl;
-    next_fraction_ =
-        shown.fraction < 1
-            ? (std::floor(shown.fraction / kFractionBetweenLines) + 1) *
-                  kFractionBetweenLines
-            : 2;  // no line beyond the last
+  } else {
+    PrintLine(shown);
   }
 }
 
@@ -142,8 +141,8 @@ bool TerminalProgress::ShouldStop() {
   if (!announced_stop_) {
     announced_stop_ = true;
     PrintSentence(
-        "Stopping the training; maps are written from what was learned. Press "
-        "Ctrl-C again to quit without writing anything.");
+        "Stopping early; maps are still written if training has begun. Press "
+        "Ctrl-C again to quit at once without writing anything.");
   }
   return true;
 }
@@ -159,7 +158,15 @@ void TerminalProgress::Warn(const std::string& sentence) {
 }
 
 void TerminalProgress::Finish() {
-  if (!options_.is_terminal || !line_open_) {
+  if (last_update_.stage.empty()) {
+    return;
+  }
+  if (!options_.is_terminal) {
+    last_update_.seconds_left = -1;
+    *stream_ << last_update_.stage << ": done in "
+             << DurationText(options_.seconds() - stage_start_)
+             << DetailText(last_update_) << std::endl;
+    last_update_ = ProgressUpdate();
     return;
   }
   char text[256];
@@ -170,6 +177,7 @@ void TerminalProgress::Finish() {
            last_update_.stage.c_str(),
            DurationText(options_.seconds() - stage_start_).c_str());
   *stream_ << text << std::endl;
+  last_update_ = ProgressUpdate();
   line_open_ = false;
 }
 
@@ -178,8 +186,25 @@ void TerminalProgress::BeginStage(const std::string& stage) {
   last_update_ = ProgressUpdate();
   last_update_.stage = stage;
   stage_start_ = options_.seconds();
-  last_drawn_ = 0;
-  next_fraction_ = 0;
+  last_drawn_ = stage_start_ - kSecondsBetweenDraws;
+  next_fraction_ = kFractionBetweenLines;
+  if (!options_.is_terminal) {
+    *stream_ << stage << std::endl;
+    last_drawn_ = stage_start_;
+  }
+}
+
+void TerminalProgress::PrintLine(const ProgressUpdate& update) {
+  const double now = options_.seconds();
+  if (update.fraction < next_fraction_ || update.fraction >= 1 ||
+      now - last_drawn_ < kSecondsBetweenLines) {
+    return;
+  }
+  *stream_ << update.stage << ": " << PercentText(update.fraction)
+           << DetailText(update) << std::endl;
+  last_drawn_ = now;
+  next_fraction_ = (std::floor(update.fraction / kFractionBetweenLines) + 1) *
+                   kFractionBetweenLines;
 }
 
 void TerminalProgress::Draw(const ProgressUpdate& update) {

@@ -10,7 +10,8 @@ namespace structnerf {
 
 // Shows progress to a person. On a terminal, one line per stage that is redrawn
 // in place, with a bar, the time that remains, loss and held-out PSNR;
-// elsewhere, a plain line at the start and about every tenth of a stage.
+// elsewhere, a plain line at the start and end and about every tenth of a
+// stage, but not more than one per second.
 //
 // Stops and aborts as ScopedInterrupts counts Ctrl-C.
 class TerminalProgress : public RunProgress {
@@ -34,11 +35,12 @@ class TerminalProgress : public RunProgress {
   void Note(const std::string& sentence) override;
   void Warn(const std::string& sentence) override;
 
-  // Completes the line of the last stage.
+  // To be called when the last stage is complete.
   void Finish();
 
  private:
   void BeginStage(const std::string& stage);
+  void PrintLine(const ProgressUpdate& update);
   void Draw(const ProgressUpdate& update);
   void PrintSentence(const std::string& sentence);
 
