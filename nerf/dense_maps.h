@@ -1,11 +1,10 @@
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
 namespace structnerf {
 
-// Depth, normal and colour of one view, at the size of `View::camera`.
+// Depth and normals of one view, at the size of `View::camera`.
 //
 // Pixel convention: the value at (col, row) belongs to the ray through the
 // image point (col, row), not through the pixel's centre. COLMAP's PatchMatch
@@ -24,9 +23,6 @@ struct DenseMaps {
   // Standard deviation of the ray's termination depth divided by its depth;
   // small = certain. Row-major.
   std::vector<float> relative_std;
-
-  // Rendered colour, interleaved RGB.
-  std::vector<uint8_t> rgb;
 };
 
 // For every pixel of a view the other views that confirm its depth.

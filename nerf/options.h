@@ -107,6 +107,10 @@ struct TrainingOptions {
   double network_learning_rate = 4e-3;
   double final_learning_rate_factor = 0.1;
 
+  // Share of the training during which finer grid levels come in one after the
+  // other: coarse shape first, so that few views do not fit noise.
+  double coarse_to_fine_fraction = 0.2;
+
   // Every how many views one is kept out of training to measure PSNR; 0 = none.
   int test_every = 0;
 

@@ -51,7 +51,7 @@ class Reconstructor {
   // Throws Aborted if told to abort.
   void Train(Progress* progress);
 
-  // Depth, normals and colour of one view from what has been learned so far.
+  // Depth and normals of one view from what has been learned so far.
   DenseMaps RenderView(size_t view_idx, Progress* progress) const;
 
   // Source views chosen for each view, best first (indices into the views).

@@ -18,6 +18,9 @@ class DensityCache {
   static constexpr float kMinLogDensity = -4.0f;
   static constexpr float kLevelsPerUnit = 16.0f;
 
+  // Most cells that are evaluated per refresh.
+  static constexpr size_t kRefreshCells = size_t{1} << 16;
+
   // `resolution`: cells along the longest side of the box (side 1 in field
   // coordinates).
   DensityCache(int resolution,

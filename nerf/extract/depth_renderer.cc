@@ -1,0 +1,154 @@
+#include "nerf/extract/depth_renderer.h"
+
+#include "nerf/train/training_views.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace structnerf {
+namespace {
+
+// Neighbours whose depths differ by less than this ratio are interpolated.
+constexpr float kMaxNeighborRatio = 1.02f;
+
+// Tiles rendered between two looks at whether to abort.
+constexpr size_t kTilesPerBatch = 512;
+
+struct Pixel {
+  int col;
+  int row;
+};
+
+void RenderPixels(const std::vector<Pixel>& pixels,
+                  const ViewGeometry& geometry,
+                  const SceneFrame& frame,
+                  RenderEngine* engine,
+                  Progress* progress,
+                  DenseMaps* maps) {
+  const float world_from_field = static_cast<float>(1.0 / frame.scale);
+  std::vector<RayTile> tiles;
+  std::vector<RayOutputs> outputs;
+  for (size_t begin = 0; begin < pixels.size();
+       begin += kTilesPerBatch * kMaxTileRays) {
+    if (progress->ShouldAbort()) {
+      throw Aborted();
+    }
+    const size_t end =
+        std::min(pixels.size(), begin + kTilesPerBatch * kMaxTileRays);
+    tiles.assign((end - begin + kMaxTileRays - 1) / kMaxTileRays, RayTile());
+    for (size_t i = begin; i < end; ++i) {
+      RayTile& tile = tiles[(i - begin) / kMaxTileRays];
+      geometry.SetRay(pixels[i].col, pixels[i].row, tile.num_rays++, &tile);
+    }
+    engine->Render(tiles, /*with_color=*/false, &outputs);
+    for (size_t i = begin; i < end; ++i) {
+      const RayOutputs& output = outputs[(i - begin) / kMaxTileRays];
+      const size_t ray = (i - begin) % kMaxTileRays;
+      const size_t index =
+          static_cast<size_t>(pixels[i].row) * maps->width + pixels[i].col;
+      maps->depth[index] = output.depth[ray] * world_from_field;
+      maps->relative_std[index] =
+          std::sqrt(output.depth_variance[ray]) / output.depth[ray];
+    }
+  }
+}
+
+// The rendered pixels around one that was left out.
+int Neighbors(const Pixel& pixel,
+              const int width,
+              const int height,
+              size_t* indices) {
+  const int cols[2] = {pixel.col - pixel.col % 2,
+                       std::min(pixel.col + pixel.col % 2, width - 1)};
+  const int rows[2] = {pixel.row - pixel.row % 2,
+                       std::min(pixel.row + pixel.row % 2, height - 1)};
+  int count = 0;
+  for (const int row : rows) {
+    for (const int col : cols) {
+      indices[count++] = static_cast<size_t>(row) * width + col;
+    }
+  }
+  return count;
+}
+
+bool IsLatticePixel(const int col,
+                    const int row,
+                    const int width,
+                    const int height) {
+  return (col % 2 == 0 || col == width - 1) &&
+         (row % 2 == 0 || row == height - 1);
+}
+
+// Visits pixels in blocks so that the rays of a tile are neighbours and read
+// the same part of the grid.
+template <typename Visit>
+void ForEachPixelInBlocks(const int width, const int height, Visit visit) {
+  constexpr int kBlock = 16;
+  for (int block_row = 0; block_row < height; block_row += kBlock) {
+    for (int block_col = 0; block_col < width; block_col += kBlock) {
+      for (int row = block_row; row < std::min(block_row + kBlock, height);
+           ++row) {
+        for (int col = block_col; col < std::min(block_col + kBlock, width);
+             ++col) {
+          visit(Pixel{col, row});
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+
+DenseMaps RenderDepth(const View& view,
+                      const SceneFrame& frame,
+                      RenderEngine* engine,
+                      Progress* progress) {
+  DenseMaps maps;
+  maps.width = view.camera.width;
+  maps.height = view.camera.height;
+  const size_t num_pixels = static_cast<size_t>(maps.width) * maps.height;
+  maps.depth.assign(num_pixels, 0.0f);
+  maps.relative_std.assign(num_pixels, 0.0f);
+  const ViewGeometry geometry(view, view.camera, frame);
+
+  std::vector<Pixel> lattice;
+  ForEachPixelInBlocks(maps.width, maps.height, [&](const Pixel& pixel) {
+    if (IsLatticePixel(pixel.col, pixel.row, maps.width, maps.height)) {
+      lattice.push_back(pixel);
+    }
+  });
+  RenderPixels(lattice, geometry, frame, engine, progress, &maps);
+
+  std::vector<Pixel> remaining;
+  ForEachPixelInBlocks(maps.width, maps.height, [&](const Pixel& pixel) {
+    if (IsLatticePixel(pixel.col, pixel.row, maps.width, maps.height)) {
+      return;
+    }
+    size_t neighbors[4];
+    const int count = Neighbors(pixel, maps.width, maps.height, neighbors);
+    float nearest = maps.depth[neighbors[0]];
+    float farthest = nearest;
+    float sum_inverse = 0;
+    float sum_std = 0;
+    for (int i = 0; i < count; ++i) {
+      const float depth = maps.depth[neighbors[i]];
+      nearest = std::min(nearest, depth);
+      farthest = std::max(farthest, depth);
+      sum_inverse += 1.0f / depth;
+      sum_std += maps.relative_std[neighbors[i]];
+    }
+    if (farthest > kMaxNeighborRatio * nearest) {
+      remaining.push_back(pixel);
+      return;
+    }
+    const size_t index =
+        static_cast<size_t>(pixel.row) * maps.width + pixel.col;
+    maps.depth[index] = static_cast<float>(count) / sum_inverse;
+    maps.relative_std[index] = sum_std / static_cast<float>(count);
+  });
+  RenderPixels(remaining, geometry, frame, engine, progress, &maps);
+  return maps;
+}
+
+}  // namespace structnerf

@@ -1,0 +1,481 @@
+#include "nerf/losses/patch_loss.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include <Eigen/LU>
+
+// clang-format off
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "nerf/losses/patch_loss.cc"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+// clang-format on
+
+HWY_BEFORE_NAMESPACE();
+namespace structnerf {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// Constants of SSIM (Wang et al. 2004) for values in [0, 1].
+constexpr float kC1 = 1e-4f;
+constexpr float kC2 = 9e-4f;
+
+// Least depth in the source, relative to that in the view.
+constexpr float kMinDepthRatio = 0.02f;
+
+constexpr int kMaxTaps = kMaxPatchSide * kMaxPatchSide;
+constexpr float kInverseMaxGray = 1.0f / TrainingViews::kMaxGray;
+
+// Vector of rays. Every lane is one ray, so the code reads like that for a
+// single one.
+using D = hn::CappedTag<float, 16>;
+using DI = hn::RebindToSigned<D>;
+using V = hn::VFromD<D>;
+using VI = hn::VFromD<DI>;
+using M = decltype(hn::Eq(V(), V()));
+
+struct Taps {
+  V reference[kMaxTaps];
+  V reference_mean;
+  V reference_variance;  // times the number of taps
+};
+
+// Reads the patch of the view itself; pixels outside are clamped, which only
+// happens to rays whose patch leaves the image.
+HWY_INLINE void ReadReference(const uint16_t* grays,
+                              const TrainingViews& views,
+                              const int radius,
+                              const int dilation,
+                              const int num_rays,
+                              const int* view_idx,
+                              const int* col,
+                              const int* row,
+                              Taps* taps) {
+  const D d;
+  HWY_ALIGN float values[kMaxTaps][16] = {};
+  for (int ray = 0; ray < num_rays; ++ray) {
+    const TrainingViews::Image& image = views.image(view_idx[ray]);
+    int tap = 0;
+    for (int dy = -radius; dy <= radius; ++dy) {
+      for (int dx = -radius; dx <= radius; ++dx, ++tap) {
+        const int x =
+            std::min(std::max(col[ray] + dx * dilation, 0), image.width - 1);
+        const int y =
+            std::min(std::max(row[ray] + dy * dilation, 0), image.height - 1);
+        values[tap][ray] =
+            kInverseMaxGray *
+            grays[image.first_pixel + static_cast<size_t>(y) * image.width + x];
+      }
+    }
+  }
+  const int num_taps = (2 * radius + 1) * (2 * radius + 1);
+  V sum = hn::Zero(d);
+  for (int tap = 0; tap < num_taps; ++tap) {
+    taps->reference[tap] = hn::Load(d, values[tap]);
+    sum = hn::Add(sum, taps->reference[tap]);
+  }
+  taps->reference_mean =
+      hn::Mul(sum, hn::Set(d, 1.0f / static_cast<float>(num_taps)));
+  taps->reference_variance = hn::Zero(d);
+  for (int tap = 0; tap < num_taps; ++tap) {
+    // Centred once and for all: only differences to the mean are used, and the
+    // mean can be added back for L1.
+    taps->reference[tap] = hn::Sub(taps->reference[tap], taps->reference_mean);
+    taps->reference_variance = hn::MulAdd(
+        taps->reference[tap], taps->reference[tap], taps->reference_variance);
+  }
+}
+
+// Grey value at (u, v) by bilinear interpolation and its derivatives.
+HWY_INLINE V Bilinear(const uint16_t* grays,
+                      const VI first_pixel,
+                      const VI stride,
+                      const V u,
+                      const V v,
+                      const M inside,
+                      V* by_u,
+                      V* by_v,
+                      M* is_unmasked) {
+  const D d;
+  const DI di;
+  const VI x = hn::ConvertTo(di, u);
+  const VI y = hn::ConvertTo(di, v);
+  const V fu = hn::Sub(u, hn::ConvertTo(d, x));
+  const V fv = hn::Sub(v, hn::ConvertTo(d, y));
+  const VI pixel =
+      hn::IfThenElseZero(hn::RebindMask(di, inside),
+                         hn::Add(first_pixel, hn::Add(hn::Mul(y, stride), x)));
+  const VI next_row =
+      hn::IfThenElseZero(hn::RebindMask(di, inside), hn::Add(pixel, stride));
+  // One 32-bit read holds two neighbours in a row.
+  const int* const base = reinterpret_cast<const int*>(grays);
+  const VI top = hn::GatherOffset(di, base, hn::ShiftLeft<1>(pixel));
+  const VI bottom = hn::GatherOffset(di, base, hn::ShiftLeft<1>(next_row));
+  const VI low = hn::Set(di, 0xffff);
+  const VI i00 = hn::And(top, low);
+  const VI i01 = hn::And(hn::ShiftRight<16>(top), low);
+  const VI i10 = hn::And(bottom, low);
+  const VI i11 = hn::And(hn::ShiftRight<16>(bottom), low);
+  const VI brightest = hn::Max(hn::Max(i00, i01), hn::Max(i10, i11));
+  *is_unmasked = hn::RebindMask(
+      d, hn::Ne(brightest, hn::Set(di, TrainingViews::kMaskedGray)));
+  const V scale = hn::Set(d, kInverseMaxGray);
+  const V v00 = hn::Mul(hn::ConvertTo(d, i00), scale);
+  const V v01 = hn::Mul(hn::ConvertTo(d, i01), scale);
+  const V v10 = hn::Mul(hn::ConvertTo(d, i10), scale);
+  const V v11 = hn::Mul(hn::ConvertTo(d, i11), scale);
+  const V top_slope = hn::Sub(v01, v00);
+  const V bottom_slope = hn::Sub(v11, v10);
+  const V top_value = hn::MulAdd(fu, top_slope, v00);
+  const V bottom_value = hn::MulAdd(fu, bottom_slope, v10);
+  *by_u = hn::MulAdd(fv, hn::Sub(bottom_slope, top_slope), top_slope);
+  *by_v = hn::Sub(bottom_value, top_value);
+  return hn::MulAdd(fv, *by_v, top_value);
+}
+
+// Warps the patch into one source and compares. `warp_index` holds each lane's
+// index into warps.
+HWY_INLINE void CompareWithSource(const PatchLoss::Warp* warps,
+                                  const VI warp_index,
+                                  const uint16_t* grays,
+                                  const PatchLoss::Options& options,
+                                  const V x,
+                                  const V y,
+                                  const V rho,
+                                  const Taps& taps,
+                                  V* loss,
+                                  V* by_rho,
+                                  M* is_valid) {
+  const D d;
+  const DI di;
+  constexpr int kFields = sizeof(PatchLoss::Warp) / sizeof(float);
+  const VI offset = hn::Mul(warp_index, hn::Set(di, kFields));
+  const float* const base = reinterpret_cast<const float*>(warps);
+  const int* const integer_base = reinterpret_cast<const int*>(warps);
+  V h[9];
+  for (int i = 0; i < 9; ++i) {
+    h[i] = hn::GatherIndex(d, base + i, offset);
+  }
+  V b[3];
+  for (int i = 0; i < 3; ++i) {
+    b[i] = hn::GatherIndex(d, base + 9 + i, offset);
+  }
+  const V width = hn::GatherIndex(d, base + 12, offset);
+  const V height = hn::GatherIndex(d, base + 13, offset);
+  const VI first_pixel = hn::GatherIndex(di, integer_base + 14, offset);
+  const VI stride = hn::GatherIndex(di, integer_base + 15, offset);
+
+  V center[3];  // of the patch, homogeneous
+  for (int i = 0; i < 3; ++i) {
+    center[i] = hn::MulAdd(
+        h[3 * i],
+        x,
+        hn::MulAdd(h[3 * i + 1], y, hn::MulAdd(b[i], rho, h[3 * i + 2])));
+  }
+
+  const V zero = hn::Zero(d);
+  const V half = hn::Set(d, 0.5f);
+  const V one = hn::Set(d, 1.0f);
+  M valid = hn::RebindMask(d, hn::Gt(stride, hn::Zero(di)));
+  V value[kMaxTaps];
+  V derivative[kMaxTaps];
+  V sum = zero;
+  int tap = 0;
+  for (int ty = -options.radius; ty <= options.radius; ++ty) {
+    for (int tx = -options.radius; tx <= options.radius; ++tx, ++tap) {
+      const V dx = hn::Set(d, static_cast<float>(tx * options.dilation));
+      const V dy = hn::Set(d, static_cast<float>(ty * options.dilation));
+      V p[3];
+      for (int i = 0; i < 3; ++i) {
+        p[i] =
+            hn::MulAdd(h[3 * i], dx, hn::MulAdd(h[3 * i + 1], dy, center[i]));
+      }
+      valid = hn::And(valid, hn::Gt(p[2], hn::Set(d, kMinDepthRatio)));
+      const V inverse = hn::Div(one, hn::Max(p[2], hn::Set(d, kMinDepthRatio)));
+      const V u = hn::Mul(p[0], inverse);
+      const V v = hn::Mul(p[1], inverse);
+      // Pixel centres are at halves; interpolation needs a neighbour each way.
+      const V pixel_u = hn::Sub(u, half);
+      const V pixel_v = hn::Sub(v, half);
+      valid = hn::And(valid,
+                      hn::And(hn::And(hn::Ge(pixel_u, zero),
+                                      hn::Lt(pixel_u, hn::Sub(width, one))),
+                              hn::And(hn::Ge(pixel_v, zero),
+                                      hn::Lt(pixel_v, hn::Sub(height, one)))));
+      V by_u;
+      V by_v;
+      M unmasked;
+      value[tap] = Bilinear(grays,
+                            first_pixel,
+                            stride,
+                            hn::IfThenElseZero(valid, pixel_u),
+                            hn::IfThenElseZero(valid, pixel_v),
+                            valid,
+                            &by_u,
+                            &by_v,
+                            &unmasked);
+      valid = hn::And(valid, unmasked);
+      const V u_by_rho = hn::Mul(hn::NegMulAdd(u, b[2], b[0]), inverse);
+      const V v_by_rho = hn::Mul(hn::NegMulAdd(v, b[2], b[1]), inverse);
+      derivative[tap] = hn::MulAdd(by_u, u_by_rho, hn::Mul(by_v, v_by_rho));
+      sum = hn::Add(sum, value[tap]);
+    }
+  }
+
+  const int num_taps = tap;
+  const V inverse_count = hn::Set(d, 1.0f / static_cast<float>(num_taps));
+  const V mean = hn::Mul(sum, inverse_count);
+  V variance = zero;
+  V covariance = zero;
+  V absolute = zero;
+  V sum_derivative = zero;
+  V variance_by_rho = zero;  // halved
+  V covariance_by_rho = zero;
+  V absolute_by_rho = zero;
+  for (int t = 0; t < num_taps; ++t) {
+    const V centered = hn::Sub(value[t], mean);
+    variance = hn::MulAdd(centered, centered, variance);
+    covariance = hn::MulAdd(centered, taps.reference[t], covariance);
+    variance_by_rho = hn::MulAdd(centered, derivative[t], variance_by_rho);
+    covariance_by_rho =
+        hn::MulAdd(taps.reference[t], derivative[t], covariance_by_rho);
+    sum_derivative = hn::Add(sum_derivative, derivative[t]);
+    const V difference =
+        hn::Sub(value[t], hn::Add(taps.reference[t], taps.reference_mean));
+    absolute = hn::Add(absolute, hn::Abs(difference));
+    absolute_by_rho = hn::Add(
+        absolute_by_rho,
+        hn::CopySign(derivative[t], hn::Xor(derivative[t], difference)));
+  }
+  const V c1 = hn::Set(d, kC1);
+  const V c2 = hn::Set(d, kC2);
+  const V two = hn::Set(d, 2.0f);
+  const V mean_x = taps.reference_mean;
+  const V a1 = hn::MulAdd(two, hn::Mul(mean_x, mean), c1);
+  const V a2 = hn::MulAdd(two, hn::Mul(covariance, inverse_count), c2);
+  const V b1 = hn::MulAdd(mean_x, mean_x, hn::MulAdd(mean, mean, c1));
+  const V b2 =
+      hn::MulAdd(hn::Add(taps.reference_variance, variance), inverse_count, c2);
+  const V inverse_b = hn::Div(one, hn::Mul(b1, b2));
+  const V ssim = hn::Mul(hn::Mul(a1, a2), inverse_b);
+  const V ssim_by_mean =
+      hn::Sub(hn::Mul(hn::Mul(two, mean_x), hn::Mul(a2, inverse_b)),
+              hn::Div(hn::Mul(ssim, hn::Mul(two, mean)), b1));
+  const V ssim_by_covariance = hn::Mul(two, hn::Mul(a1, inverse_b));
+  const V ssim_by_variance = hn::Neg(hn::Div(ssim, b2));
+  const V ssim_by_rho = hn::Mul(
+      inverse_count,
+      hn::MulAdd(ssim_by_mean,
+                 sum_derivative,
+                 hn::MulAdd(hn::Mul(two, ssim_by_variance),
+                            variance_by_rho,
+                            hn::Mul(ssim_by_covariance, covariance_by_rho))));
+
+  const V share = hn::Set(d, options.ssim_share);
+  const V l1_share =
+      hn::Mul(hn::Set(d, 1.0f - options.ssim_share), inverse_count);
+  *loss = hn::MulAdd(
+      hn::Mul(share, half), hn::Sub(one, ssim), hn::Mul(l1_share, absolute));
+  *by_rho = hn::NegMulAdd(
+      hn::Mul(share, half), ssim_by_rho, hn::Mul(l1_share, absolute_by_rho));
+  *is_valid = valid;
+}
+
+// Losses of up to one vector of rays in all their sources: slots x 16.
+void CompareSources(const PatchLoss::Warp* warps,
+                    const int num_slots,
+                    const TrainingViews& views,
+                    const PatchLoss::Options& options,
+                    const int num_rays,
+                    const int* view_idx,
+                    const int* col,
+                    const int* row,
+                    const float* depth,
+                    float* losses,
+                    float* by_rho,
+                    int* valid) {
+  const D d;
+  const DI di;
+  Taps taps;
+  ReadReference(views.Grays(),
+                views,
+                options.radius,
+                options.dilation,
+                num_rays,
+                view_idx,
+                col,
+                row,
+                &taps);
+  HWY_ALIGN float x[16] = {};
+  HWY_ALIGN float y[16] = {};
+  HWY_ALIGN float rho[16] = {};
+  HWY_ALIGN int first_warp[16] = {};
+  for (int ray = 0; ray < num_rays; ++ray) {
+    x[ray] = static_cast<float>(col[ray]) + 0.5f;
+    y[ray] = static_cast<float>(row[ray]) + 0.5f;
+    rho[ray] = 1.0f / depth[ray];
+    first_warp[ray] = view_idx[ray] * num_slots;
+  }
+  HWY_ALIGN float validity[16] = {};
+  for (int slot = 0; slot < num_slots; ++slot) {
+    const VI warp_index = hn::Add(hn::Load(di, first_warp), hn::Set(di, slot));
+    V slot_loss;
+    V slot_by_rho;
+    M slot_valid;
+    CompareWithSource(warps,
+                      warp_index,
+                      views.Grays(),
+                      options,
+                      hn::Load(d, x),
+                      hn::Load(d, y),
+                      hn::Load(d, rho),
+                      taps,
+                      &slot_loss,
+                      &slot_by_rho,
+                      &slot_valid);
+    hn::StoreU(slot_loss, d, losses + slot * 16);
+    hn::StoreU(slot_by_rho, d, by_rho + slot * 16);
+    hn::Store(hn::IfThenElseZero(slot_valid, hn::Set(d, 1.0f)), d, validity);
+    for (int ray = 0; ray < num_rays; ++ray) {
+      valid[slot * 16 + ray] = validity[ray] > 0;
+    }
+  }
+}
+
+size_t RaysPerVector() { return hn::Lanes(D()); }
+
+}  // namespace HWY_NAMESPACE
+}  // namespace structnerf
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace structnerf {
+
+HWY_EXPORT(CompareSources);
+HWY_EXPORT(RaysPerVector);
+
+namespace {
+
+Eigen::Matrix3d CalibrationMatrix(const View& view) {
+  const PinholeCamera camera =
+      view.camera.Resized(view.image.width, view.image.height);
+  Eigen::Matrix3d k;
+  k << camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1;
+  return k;
+}
+
+PatchLoss::Warp MakeWarp(const View& view,
+                         const View& source,
+                         const TrainingViews::Image& source_image,
+                         const double scale) {
+  const Eigen::Matrix3d k = CalibrationMatrix(source);
+  const Eigen::Matrix3d rotation =
+      source.cam_from_world_rotation * view.cam_from_world_rotation.transpose();
+  // From centres, not translations: the latter are large where the world's
+  // origin is far away.
+  const Eigen::Vector3d translation =
+      source.cam_from_world_rotation *
+      (view.ProjectionCenter() - source.ProjectionCenter()) * scale;
+  const Eigen::Matrix3d h = k * rotation * CalibrationMatrix(view).inverse();
+  const Eigen::Vector3d b = k * translation;
+  PatchLoss::Warp warp;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      warp.h[3 * i + j] = static_cast<float>(h(i, j));
+    }
+    warp.b[i] = static_cast<float>(b(i));
+  }
+  warp.width = static_cast<float>(source_image.width);
+  warp.height = static_cast<float>(source_image.height);
+  warp.first_pixel = static_cast<int32_t>(source_image.first_pixel);
+  warp.stride = source_image.width;
+  return warp;
+}
+
+}  // namespace
+
+PatchLoss::PatchLoss(const Scene& scene,
+                     const SceneFrame& frame,
+                     const TrainingViews& views,
+                     const std::vector<std::vector<int>>& sources,
+                     const Options& options)
+    : views_(views), options_(options) {
+  for (const std::vector<int>& view_sources : sources) {
+    num_slots_ = std::max(num_slots_, static_cast<int>(view_sources.size()));
+  }
+  warps_.assign(sources.size() * num_slots_, Warp{});
+  for (size_t v = 0; v < sources.size(); ++v) {
+    for (size_t s = 0; s < sources[v].size(); ++s) {
+      const int source = sources[v][s];
+      warps_[v * num_slots_ + s] = MakeWarp(scene.views[v],
+                                            scene.views[source],
+                                            views.image(source),
+                                            frame.scale);
+    }
+  }
+}
+
+void PatchLoss::Evaluate(const int num_rays,
+                         const int* view_idx,
+                         const int* col,
+                         const int* row,
+                         const float* depth,
+                         float* loss,
+                         float* d_depth,
+                         int* num_valid) const {
+  constexpr int kMaxSlots = 32;
+  if (num_slots_ > kMaxSlots) {
+    throw std::invalid_argument("at most 32 source views per view");
+  }
+  float losses[kMaxSlots * 16];
+  float by_rho[kMaxSlots * 16];
+  int valid[kMaxSlots * 16];
+  const int step = static_cast<int>(HWY_DYNAMIC_DISPATCH(RaysPerVector)());
+  for (int begin = 0; begin < num_rays; begin += step) {
+    const int size = std::min(step, num_rays - begin);
+    HWY_DYNAMIC_DISPATCH(CompareSources)
+    (warps_.data(),
+     num_slots_,
+     views_,
+     options_,
+     size,
+     view_idx + begin,
+     col + begin,
+     row + begin,
+     depth + begin,
+     losses,
+     by_rho,
+     valid);
+    for (int ray = 0; ray < size; ++ray) {
+      int order[kMaxSlots];
+      int count = 0;
+      for (int slot = 0; slot < num_slots_; ++slot) {
+        if (valid[slot * 16 + ray]) {
+          order[count++] = slot * 16 + ray;
+        }
+      }
+      const int num_used = std::min(count, options_.num_best);
+      std::partial_sort(
+          order,
+          order + num_used,
+          order + count,
+          [&](const int a, const int b) { return losses[a] < losses[b]; });
+      float sum = 0;
+      float sum_by_rho = 0;
+      for (int i = 0; i < num_used; ++i) {
+        sum += losses[order[i]];
+        sum_by_rho += by_rho[order[i]];
+      }
+      const float inverse = num_used > 0 ? 1.0f / num_used : 0.0f;
+      const float rho = 1.0f / depth[begin + ray];
+      loss[begin + ray] = sum * inverse;
+      d_depth[begin + ray] = -rho * rho * sum_by_rho * inverse;
+      num_valid[begin + ray] = num_used;
+    }
+  }
+}
+
+}  // namespace structnerf
+#endif  // HWY_ONCE

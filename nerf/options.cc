@@ -1,0 +1,140 @@
+#include "nerf/options.h"
+
+#include "nerf/kernels/compositing.h"
+#include "nerf/kernels/ray_sampling.h"
+
+#include <sstream>
+#include <stdexcept>
+
+namespace structnerf {
+namespace {
+
+// Collects the first violated range.
+class RangeChecker {
+ public:
+  template <typename T>
+  RangeChecker& In(const char* name, const T value, const T low, const T high) {
+    if (message_.empty() && !(value >= low && value <= high)) {
+      std::ostringstream stream;
+      stream << name << " must be between " << low << " and " << high
+             << ", but is " << value;
+      message_ = stream.str();
+    }
+    return *this;
+  }
+
+  RangeChecker& Require(const bool condition, const char* message) {
+    if (message_.empty() && !condition) {
+      message_ = message;
+    }
+    return *this;
+  }
+
+  bool Report(std::string* error) const {
+    if (!message_.empty()) {
+      *error = message_;
+    }
+    return message_.empty();
+  }
+
+ private:
+  std::string message_;
+};
+
+constexpr double kAnyWeight = 1e6;
+
+}  // namespace
+
+bool FieldOptions::Check(std::string* error) const {
+  return RangeChecker()
+      .In("num_levels", num_levels, 1, 16)
+      .In("log2_table_size", log2_table_size, 10, 24)
+      .In("min_resolution", min_resolution, 2, 1024)
+      .In("max_resolution", max_resolution, min_resolution, 65536)
+      .In("hidden_width", hidden_width, 16, 64)
+      .Require(hidden_width % 16 == 0, "hidden_width must be a multiple of 16")
+      .Report(error);
+}
+
+bool SamplingOptions::Check(std::string* error) const {
+  return RangeChecker()
+      .In("num_bins", num_bins, 8, kMaxRayBins)
+      .In("num_samples", num_samples, 1, kMaxRaySamples)
+      .In("cache_resolution", cache_resolution, 8, 512)
+      .In("cache_interval", cache_interval, 1, 1000000)
+      .In("cache_decay", cache_decay, 1e-3, 1.0)
+      .Report(error);
+}
+
+bool LossOptions::Check(std::string* error) const {
+  return RangeChecker()
+      .In("color_weight", color_weight, 0.0, kAnyWeight)
+      .In("patch_weight", patch_weight, 0.0, kAnyWeight)
+      .In("patch_ssim_share", patch_ssim_share, 0.0, 1.0)
+      .In("patch_radius", patch_radius, 0, 3)
+      .In("patch_dilation", patch_dilation, 1, 16)
+      .In("num_sources", num_sources, 1, 32)
+      .In("num_best_sources", num_best_sources, 1, 32)
+      .In("planar_weight", planar_weight, 0.0, kAnyWeight)
+      .In("planar_min_area", planar_min_area, 4, 1 << 30)
+      .In("sparse_weight", sparse_weight, 0.0, kAnyWeight)
+      .In("sparse_fraction", sparse_fraction, 0.0, 1.0)
+      .In("prior_weight", prior_weight, 0.0, kAnyWeight)
+      .In("prior_fraction", prior_fraction, 0.0, 1.0)
+      .Report(error);
+}
+
+bool TrainingOptions::Check(std::string* error) const {
+  return RangeChecker()
+      .In("num_steps", num_steps, 1, 100000000)
+      .In("rays_per_step", rays_per_step, 32, 1 << 20)
+      .In("max_image_size", max_image_size, 16, 1 << 15)
+      .In("grid_learning_rate", grid_learning_rate, 0.0, 1e3)
+      .In("network_learning_rate", network_learning_rate, 0.0, 1e3)
+      .In("final_learning_rate_factor", final_learning_rate_factor, 1e-6, 1.0)
+      .In("coarse_to_fine_fraction", coarse_to_fine_fraction, 0.0, 1.0)
+      .In("test_every", test_every, 0, 1 << 30)
+      .Require(test_every != 1, "test_every must be 0 (none) or at least 2")
+      .Require(num_threads == -1 || num_threads > 0,
+               "num_threads must be positive, or -1 for all cores")
+      .Report(error);
+}
+
+bool ExtractionOptions::Check(std::string* error) const {
+  return RangeChecker()
+      .In("max_relative_std", max_relative_std, 0.0, 1e6)
+      .In("max_relative_depth_error", max_relative_depth_error, 0.0, 1.0)
+      .In("max_reprojection_error", max_reprojection_error, 0.0, 1e6)
+      .In("min_num_consistent", min_num_consistent, 1, 1000)
+      .Report(error);
+}
+
+bool ReconstructionOptions::Check(std::string* error) const {
+  return field.Check(error) && sampling.Check(error) && loss.Check(error) &&
+         training.Check(error) && extraction.Check(error);
+}
+
+ReconstructionOptions QualityPreset(const std::string& quality) {
+  ReconstructionOptions options;
+  if (quality == "low") {
+    options.field.log2_table_size = 15;
+    options.training.num_steps = 600;
+  } else if (quality == "medium") {
+    options.training.num_steps = 1500;
+  } else if (quality == "high") {
+    options.training.num_steps = 4000;
+    options.training.max_image_size = 640;
+  } else if (quality == "extreme") {
+    options.field.log2_table_size = 18;
+    options.training.num_steps = 10000;
+    options.training.max_image_size = 1024;
+  } else {
+    throw std::invalid_argument(
+        "quality must be low, medium, high or extreme, "
+        "but is \"" +
+        quality + "\"");
+  }
+  return options;
+}
+
+}  // namespace structnerf

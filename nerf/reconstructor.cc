@@ -1,0 +1,205 @@
+#include "nerf/reconstructor.h"
+
+#include "nerf/engine/render_engine.h"
+#include "nerf/extract/depth_renderer.h"
+#include "nerf/extract/normal_estimation.h"
+#include "nerf/field/field_file.h"
+#include "nerf/scene_frame.h"
+#include "nerf/train/trainer.h"
+#include "nerf/train/training_objective.h"
+#include "nerf/view_selection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace structnerf {
+namespace {
+
+// Density at the start: light travels about this share of the scene box.
+constexpr float kInitialDensity = 1.6f;
+
+// Bytes per pixel of a photograph: RGB in the scene; packed colours and grey
+// values in TrainingViews; label, mask and pixel list of segments.
+constexpr size_t kBytesPerTrainingPixel = 3 + 4 + 2 + 4 + 1 + 4;
+
+// Bytes per pixel of the maps of one view: depth, deviation, normal.
+constexpr size_t kBytesPerMapPixel = 5 * sizeof(float);
+
+// Bytes per grid feature: value and two moments, gradient, half-precision copy.
+constexpr size_t kBytesPerFeature = 3 * 4 + 4 + 2;
+
+EngineOptions MakeEngineOptions(const ReconstructionOptions& options,
+                                const SceneFrame& frame) {
+  EngineOptions engine_options;
+  engine_options.field = options.field;
+  engine_options.sampling = options.sampling;
+  engine_options.extent = frame.extent;
+  engine_options.initial_density = kInitialDensity;
+  engine_options.num_threads = options.training.num_threads;
+  engine_options.seed = options.training.seed;
+  return engine_options;
+}
+
+}  // namespace
+
+class Reconstructor::Impl {
+ public:
+  Impl(Scene scene_in, const ReconstructionOptions& options_in)
+      : scene(std::move(scene_in)), options(options_in) {
+    std::string error;
+    if (!options.Check(&error)) {
+      throw std::invalid_argument(error);
+    }
+    scene.Check();
+    frame = ComputeSceneFrame(scene);
+    for (size_t v = 0; v < scene.views.size(); ++v) {
+      // As the paper, the 8th, 16th, ... are held out, not the first.
+      const int test_every = options.training.test_every;
+      const bool is_test = test_every > 0 && (v + 1) % test_every == 0;
+      (is_test ? test_view_idxs : train_view_idxs)
+          .push_back(static_cast<int>(v));
+    }
+    if (train_view_idxs.size() < 2) {
+      throw std::invalid_argument(
+          "test_every leaves fewer than two images to train on");
+    }
+    sources = SelectSourceViews(scene, options.loss.num_sources);
+    // Held-out views must not guide others.
+    std::vector<std::vector<int>> training_sources = sources;
+    for (std::vector<int>& view_sources : training_sources) {
+      view_sources.erase(std::remove_if(view_sources.begin(),
+                                        view_sources.end(),
+                                        [&](const int source) {
+                                          return std::count(
+                                                     test_view_idxs.begin(),
+                                                     test_view_idxs.end(),
+                                                     source) > 0;
+                                        }),
+                         view_sources.end());
+    }
+    CollectWarnings();
+    objective = std::make_unique<TrainingObjective>(scene,
+                                                    frame,
+                                                    train_view_idxs,
+                                                    training_sources,
+                                                    options.loss,
+                                                    options.training);
+    engine = MakeFusedEngine(MakeEngineOptions(options, frame));
+  }
+
+  void CollectWarnings() {
+    std::vector<size_t> num_points(scene.views.size(), 0);
+    for (const SparsePoint& point : scene.points) {
+      for (const Observation& observation : point.track) {
+        ++num_points[observation.view_idx];
+      }
+    }
+    for (size_t v = 0; v < scene.views.size(); ++v) {
+      if (num_points[v] == 0) {
+        warnings.push_back("image " + scene.views[v].name +
+                           " sees no sparse point; its depth rests on other "
+                           "views alone");
+      }
+      if (sources[v].empty()) {
+        warnings.push_back(
+            "image " + scene.views[v].name +
+            " has no source view with a baseline; it is compared "
+            "with nothing");
+      }
+    }
+  }
+
+  Scene scene;
+  const ReconstructionOptions options;
+  SceneFrame frame;
+  std::vector<int> train_view_idxs;
+  std::vector<int> test_view_idxs;
+  std::vector<std::vector<int>> sources;
+  std::vector<std::string> warnings;
+  std::unique_ptr<TrainingObjective> objective;
+  std::unique_ptr<RenderEngine> engine;
+  TrainingSummary summary;
+};
+
+size_t Reconstructor::EstimateMemory(const ReconstructionOptions& options,
+                                     const size_t num_views,
+                                     const size_t width,
+                                     const size_t height) {
+  const double ratio = std::min(
+      1.0,
+      options.training.max_image_size /
+          static_cast<double>(std::max<size_t>(1, std::max(width, height))));
+  const double training_pixels =
+      ratio * ratio * static_cast<double>(width * height);
+  const FieldLayout layout(options.field, Eigen::Vector3f::Ones());
+  const size_t field =
+      layout.num_grid_entries * kGridFeatures * kBytesPerFeature;
+  // Per sample of a step: encoding gradient and position.
+  const size_t step = static_cast<size_t>(options.training.rays_per_step) *
+                      options.sampling.num_samples *
+                      (layout.encoding_width + 3) * sizeof(float);
+  const size_t cache =
+      static_cast<size_t>(std::pow(options.sampling.cache_resolution, 3.0));
+  return field + step + cache +
+         static_cast<size_t>(num_views * training_pixels *
+                             kBytesPerTrainingPixel) +
+         width * height * kBytesPerMapPixel;
+}
+
+Reconstructor::Reconstructor(Scene scene, const ReconstructionOptions& options)
+    : impl_(std::make_unique<Impl>(std::move(scene), options)) {}
+
+Reconstructor::~Reconstructor() = default;
+
+const std::vector<std::string>& Reconstructor::Warnings() const {
+  return impl_->warnings;
+}
+
+void Reconstructor::Train(Progress* progress) {
+  Trainer trainer(*impl_->objective,
+                  impl_->test_view_idxs,
+                  impl_->options,
+                  impl_->engine.get());
+  impl_->summary = trainer.Run(progress);
+}
+
+DenseMaps Reconstructor::RenderView(const size_t view_idx,
+                                    Progress* progress) const {
+  const View& view = impl_->scene.views.at(view_idx);
+  DenseMaps maps =
+      RenderDepth(view, impl_->frame, impl_->engine.get(), progress);
+  EstimateNormals(view.camera, &maps);
+  const float max_std =
+      static_cast<float>(impl_->options.extraction.max_relative_std);
+  const size_t num_pixels = maps.depth.size();
+  for (size_t i = 0; i < num_pixels; ++i) {
+    if (!(maps.relative_std[i] <= max_std)) {
+      maps.depth[i] = 0;
+      for (int axis = 0; axis < 3; ++axis) {
+        maps.normal[axis * num_pixels + i] = 0;
+      }
+    }
+  }
+  return maps;
+}
+
+const std::vector<std::vector<int>>& Reconstructor::SourceViews() const {
+  return impl_->sources;
+}
+
+const TrainingSummary& Reconstructor::Summary() const { return impl_->summary; }
+
+void Reconstructor::SaveField(const std::string& path) const {
+  WriteField(path,
+             impl_->options.field,
+             impl_->frame.extent,
+             impl_->engine->Parameters());
+}
+
+void Reconstructor::LoadField(const std::string& path) {
+  impl_->engine->SetParameters(
+      ReadField(path, impl_->options.field, impl_->frame.extent));
+}
+
+}  // namespace structnerf

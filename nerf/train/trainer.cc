@@ -1,0 +1,173 @@
+#include "nerf/train/trainer.h"
+
+#include "nerf/util/random.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace structnerf {
+namespace {
+
+// Steps between two looks at the clock and the user.
+constexpr int kReportInterval = 10;
+
+// Shares of the training between two PSNR measurements.
+constexpr double kPsnrInterval = 0.1;
+constexpr int kPsnrTilesPerView = 64;
+
+// Share of the training over which one level fades in.
+constexpr double kLevelFade = 0.02;
+
+double Seconds(const std::chrono::steady_clock::time_point begin) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin)
+      .count();
+}
+
+}  // namespace
+
+Trainer::Trainer(const TrainingObjective& objective,
+                 const std::vector<int>& test_view_idxs,
+                 const ReconstructionOptions& options,
+                 RenderEngine* engine)
+    : objective_(objective),
+      test_view_idxs_(test_view_idxs),
+      options_(options),
+      engine_(engine) {}
+
+StepParameters Trainer::MakeStep(const int step) const {
+  StepParameters parameters;
+  parameters.step = step;
+  parameters.num_tiles = objective_.NumTiles();
+  const double time = static_cast<double>(step) / options_.training.num_steps;
+  const int num_levels = options_.field.num_levels;
+  for (int level = 0; level < num_levels; ++level) {
+    const double begin = num_levels > 1
+                             ? options_.training.coarse_to_fine_fraction *
+                                   level / (num_levels - 1)
+                             : 0.0;
+    const double weight = level == 0 ? 1.0 : (time - begin) / kLevelFade;
+    parameters.level_weights.push_back(
+        static_cast<float>(std::min(std::max(weight, 0.0), 1.0)));
+  }
+  return parameters;
+}
+
+TrainingSummary Trainer::Run(Progress* progress) {
+  const TrainingOptions& training = options_.training;
+  std::vector<std::unique_ptr<TileObjective>> tile_objectives;
+  for (int i = 0; i < engine_->NumThreads(); ++i) {
+    tile_objectives.push_back(objective_.MakeTileObjective());
+  }
+
+  TrainingSummary summary;
+  summary.num_parameters = engine_->Layout().NumParameters();
+  int& num_skipped_steps = summary.guard_counts["non_finite_gradient"];
+  int& num_bad_losses = summary.guard_counts["non_finite_loss"];
+  const auto begin = std::chrono::steady_clock::now();
+  double mean_loss = -1;
+  double psnr = -1;
+  double next_psnr = kPsnrInterval;
+  for (int step = 0; step < training.num_steps; ++step) {
+    if (step % kReportInterval == 0) {
+      if (progress->ShouldAbort()) {
+        throw Aborted();
+      }
+      if (progress->ShouldStop()) {
+        summary.stopped_early = true;
+        break;
+      }
+      ProgressUpdate update;
+      update.stage = "Training";
+      update.fraction = static_cast<double>(step) / training.num_steps;
+      if (step > 0) {
+        update.seconds_left =
+            Seconds(begin) / step * (training.num_steps - step);
+      }
+      if (update.fraction >= next_psnr) {
+        psnr = HeldOutPsnr();
+        next_psnr += kPsnrInterval;
+      }
+      update.loss = mean_loss;
+      update.held_out_psnr = psnr;
+      progress->Report(update);
+    }
+
+    const LossValues losses =
+        engine_->Accumulate(MakeStep(step), tile_objectives);
+    double loss = 0;
+    for (const double value : losses) {
+      loss += value;
+    }
+    if (std::isfinite(loss)) {
+      mean_loss = mean_loss < 0 ? loss : 0.98 * mean_loss + 0.02 * loss;
+    } else {
+      ++num_bad_losses;
+    }
+    const float decay = static_cast<float>(
+        std::pow(training.final_learning_rate_factor,
+                 static_cast<double>(step) / training.num_steps));
+    if (!engine_->Update(
+            decay * static_cast<float>(training.grid_learning_rate),
+            decay * static_cast<float>(training.network_learning_rate))) {
+      ++num_skipped_steps;
+    }
+    if ((step + 1) % options_.sampling.cache_interval == 0) {
+      engine_->RefreshDensityCache(
+          static_cast<float>(options_.sampling.cache_decay));
+    }
+    ++summary.num_steps;
+  }
+  summary.final_loss = mean_loss;
+  summary.held_out_psnr = HeldOutPsnr();
+  summary.seconds = Seconds(begin);
+  summary.num_rays = static_cast<size_t>(summary.num_steps) *
+                     objective_.NumTiles() * kMaxTileRays;
+  summary.num_samples = summary.num_rays * options_.sampling.num_samples;
+  ProgressUpdate update;
+  update.stage = "Training";
+  update.fraction = 1;
+  update.seconds_left = 0;
+  update.loss = summary.final_loss;
+  update.held_out_psnr = summary.held_out_psnr;
+  progress->Report(update);
+  return summary;
+}
+
+double Trainer::HeldOutPsnr() const {
+  if (test_view_idxs_.empty()) {
+    return -1;
+  }
+  const TrainingViews& views = objective_.Views();
+  std::vector<RayTile> tiles;
+  std::vector<Eigen::Vector3f> targets;
+  Random random(options_.training.seed, 0, 0);
+  for (const int view_idx : test_view_idxs_) {
+    const TrainingViews::Image& image = views.image(view_idx);
+    for (int i = 0; i < kPsnrTilesPerView; ++i) {
+      RayTile tile;
+      tile.num_rays = kMaxTileRays;
+      for (int ray = 0; ray < kMaxTileRays; ++ray) {
+        const int col = static_cast<int>(random.NextBelow(image.width));
+        const int row = static_cast<int>(random.NextBelow(image.height));
+        views.geometry(view_idx).SetRay(col + 0.5, row + 0.5, ray, &tile);
+        targets.push_back(views.Color(view_idx, col, row));
+      }
+      tiles.push_back(tile);
+    }
+  }
+  std::vector<RayOutputs> outputs;
+  engine_->Render(tiles, /*with_color=*/true, &outputs);
+  double sum = 0;
+  for (size_t i = 0; i < targets.size(); ++i) {
+    const RayOutputs& output = outputs[i / kMaxTileRays];
+    for (int c = 0; c < 3; ++c) {
+      const double difference =
+          output.color[c][i % kMaxTileRays] - targets[i][c];
+      sum += difference * difference;
+    }
+  }
+  return -10.0 * std::log10(std::max(sum / (3.0 * targets.size()), 1e-12));
+}
+
+}  // namespace structnerf

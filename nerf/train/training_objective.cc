@@ -1,0 +1,398 @@
+#include "nerf/train/training_objective.h"
+
+#include "nerf/losses/planar_loss.h"
+#include "nerf/train/depth_prior.h"
+#include "nerf/util/random.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <stdexcept>
+
+namespace structnerf {
+namespace {
+
+// How the rays of a tile are drawn: groups of four planar pixels first, then
+// rays through sparse points, the rest through random pixels.
+constexpr int kNumPlanarGroups = 2;
+constexpr int kNumSparseRays = 4;
+
+// Pixels per cell of the interpolated prior.
+constexpr int kPriorCell = 4;
+
+// Draws of four pixels until they span a stable triangle.
+constexpr int kMaxPlanarDraws = 4;
+
+PatchLoss::Options MakePatchOptions(const LossOptions& options) {
+  PatchLoss::Options patch_options;
+  patch_options.radius = options.patch_radius;
+  patch_options.dilation = options.patch_dilation;
+  patch_options.ssim_share = static_cast<float>(options.patch_ssim_share);
+  patch_options.num_best = options.num_best_sources;
+  return patch_options;
+}
+
+}  // namespace
+
+struct TrainingObjective::Segment {
+  int view_idx = -1;
+  size_t first_pixel = 0;  // into segment_pixels_
+  size_t num_pixels = 0;
+};
+
+struct TrainingObjective::SparseTarget {
+  int view_idx = -1;
+  float x = 0;  // training image
+  float y = 0;
+  float depth = 0;  // field units
+  float weight = 0;
+};
+
+// One thread's tile: which pixels were drawn and what they are compared with.
+class TrainingObjective::Tile : public TileObjective {
+ public:
+  explicit Tile(const TrainingObjective& objective) : objective_(objective) {}
+
+  void DrawRays(const int step, const int tile, RayTile* rays) override {
+    step_ = step;
+    rays_ = rays;
+    rays->num_rays = 0;
+    // Another substream than the one that jitters samples.
+    Random random(
+        ~static_cast<uint64_t>(objective_.training_options_.seed), step, tile);
+    num_groups_ = 0;
+    if (objective_.loss_options_.planar_weight > 0 &&
+        !objective_.segments_.empty()) {
+      for (int i = 0; i < kNumPlanarGroups; ++i) {
+        DrawPlanarGroup(&random);
+      }
+    }
+    first_sparse_ray_ = rays->num_rays;
+    if (objective_.SparseWeight(step) > 0) {
+      for (int i = 0; i < kNumSparseRays; ++i) {
+        DrawSparseRay(&random);
+      }
+    }
+    first_random_ray_ = rays->num_rays;
+    while (rays->num_rays < kMaxTileRays) {
+      DrawRandomRay(&random);
+    }
+  }
+
+  LossValues Evaluate(const RayOutputs& outputs,
+                      RayGradients* gradients) override {
+    LossValues losses = {};
+    AddColorLoss(outputs, gradients, &losses);
+    AddPatchLoss(outputs, gradients, &losses);
+    AddPlanarLoss(outputs, gradients, &losses);
+    AddDepthHints(outputs, gradients, &losses);
+    return losses;
+  }
+
+ private:
+  // Every ray goes through a pixel's centre, except those through sparse
+  // points.
+  void AddRay(const int view_idx, const double x, const double y) {
+    const int ray = rays_->num_rays++;
+    const TrainingViews::Image& image = objective_.views_.image(view_idx);
+    view_idx_[ray] = view_idx;
+    col_[ray] = std::min(static_cast<int>(x), image.width - 1);
+    row_[ray] = std::min(static_cast<int>(y), image.height - 1);
+    objective_.views_.geometry(view_idx).SetRay(x, y, ray, rays_);
+  }
+
+  void DrawRandomRay(Random* random) {
+    const std::vector<size_t>& last = objective_.last_pixel_;
+    // Masked pixels are rejected; scenes without any unmasked pixel are refused
+    // beforehand, so the bound on draws only limits rare bad luck.
+    for (int draw = 0; draw < 100; ++draw) {
+      const uint32_t pixel =
+          random->NextBelow(static_cast<uint32_t>(last.back()));
+      const size_t i =
+          std::upper_bound(last.begin(), last.end(), pixel) - last.begin();
+      const int view_idx = objective_.train_view_idxs_[i];
+      const int width = objective_.views_.image(view_idx).width;
+      const size_t index = pixel - (i > 0 ? last[i - 1] : 0);
+      const int col = static_cast<int>(index % width);
+      const int row = static_cast<int>(index / width);
+      if (!objective_.views_.IsMasked(view_idx, col, row) || draw == 99) {
+        AddRay(view_idx, col + 0.5, row + 0.5);
+        return;
+      }
+    }
+  }
+
+  void DrawSparseRay(Random* random) {
+    const SparseTarget& target = objective_.sparse_targets_[random->NextBelow(
+        static_cast<uint32_t>(objective_.sparse_targets_.size()))];
+    sparse_depth_[rays_->num_rays] = target.depth;
+    sparse_weight_[rays_->num_rays] = target.weight;
+    AddRay(target.view_idx, target.x, target.y);
+  }
+
+  void DrawPlanarGroup(Random* random) {
+    const std::vector<double>& last = objective_.last_segment_area_;
+    const size_t i =
+        std::upper_bound(
+            last.begin(), last.end(), random->NextFloat() * last.back()) -
+        last.begin();
+    const Segment& segment =
+        objective_.segments_[std::min(i, objective_.segments_.size() - 1)];
+    const int width = objective_.views_.image(segment.view_idx).width;
+    for (int draw = 0; draw < kMaxPlanarDraws; ++draw) {
+      float x[4];
+      float y[4];
+      for (int k = 0; k < 4; ++k) {
+        const uint32_t pixel =
+            objective_.segment_pixels_[segment.first_pixel +
+                                       random->NextBelow(static_cast<uint32_t>(
+                                           segment.num_pixels))];
+        x[k] = static_cast<float>(pixel % width) + 0.5f;
+        y[k] = static_cast<float>(pixel / width) + 0.5f;
+      }
+      if (MakePlanarGroup(x, y, &groups_[num_groups_])) {
+        ++num_groups_;
+        for (int k = 0; k < 4; ++k) {
+          AddRay(segment.view_idx, x[k], y[k]);
+        }
+        return;
+      }
+    }
+  }
+
+  void AddColorLoss(const RayOutputs& outputs,
+                    RayGradients* gradients,
+                    LossValues* losses) const {
+    const float weight =
+        static_cast<float>(objective_.loss_options_.color_weight) /
+        objective_.training_options_.rays_per_step;
+    double sum = 0;
+    for (int ray = 0; ray < rays_->num_rays; ++ray) {
+      const Eigen::Vector3f target =
+          objective_.views_.Color(view_idx_[ray], col_[ray], row_[ray]);
+      for (int c = 0; c < 3; ++c) {
+        const float difference = outputs.color[c][ray] - target[c];
+        sum += difference * difference;
+        gradients->d_color[c][ray] += 2 * weight * difference;
+      }
+    }
+    (*losses)[static_cast<size_t>(LossTerm::kColor)] += weight * sum;
+  }
+
+  void AddPatchLoss(const RayOutputs& outputs,
+                    RayGradients* gradients,
+                    LossValues* losses) const {
+    if (objective_.loss_options_.patch_weight == 0) {
+      return;
+    }
+    const float weight =
+        static_cast<float>(objective_.loss_options_.patch_weight) /
+        objective_.training_options_.rays_per_step;
+    PerRay<float> loss;
+    PerRay<float> d_depth;
+    PerRay<int> num_valid;
+    objective_.patch_loss_.Evaluate(rays_->num_rays,
+                                    view_idx_.data(),
+                                    col_.data(),
+                                    row_.data(),
+                                    outputs.depth.data(),
+                                    loss.data(),
+                                    d_depth.data(),
+                                    num_valid.data());
+    double sum = 0;
+    for (int ray = 0; ray < rays_->num_rays; ++ray) {
+      if (num_valid[ray] > 0) {
+        sum += loss[ray];
+        gradients->d_depth[ray] += weight * d_depth[ray];
+      }
+    }
+    (*losses)[static_cast<size_t>(LossTerm::kPatch)] += weight * sum;
+  }
+
+  void AddPlanarLoss(const RayOutputs& outputs,
+                     RayGradients* gradients,
+                     LossValues* losses) const {
+    const float weight =
+        static_cast<float>(objective_.loss_options_.planar_weight) /
+        (kNumPlanarGroups * objective_.num_tiles_);
+    double sum = 0;
+    for (int group = 0; group < num_groups_; ++group) {
+      float d_depth[4];
+      sum += EvaluatePlanarLoss(
+          groups_[group], outputs.depth.data() + 4 * group, d_depth);
+      for (int k = 0; k < 4; ++k) {
+        gradients->d_depth[4 * group + k] += weight * d_depth[k];
+      }
+    }
+    (*losses)[static_cast<size_t>(LossTerm::kPlanar)] += weight * sum;
+  }
+
+  // Sparse points and the prior pull the whole ray to a depth, not only its
+  // mean: that clears the line of sight in front as well.
+  void AddDepthHints(const RayOutputs& outputs,
+                     RayGradients* gradients,
+                     LossValues* losses) const {
+    const float sparse_weight = objective_.SparseWeight(step_) /
+                                (kNumSparseRays * objective_.num_tiles_);
+    const float prior_weight = objective_.PriorWeight(step_) /
+                               objective_.training_options_.rays_per_step;
+    for (int ray = 0; ray < rays_->num_rays; ++ray) {
+      const bool is_sparse =
+          ray >= first_sparse_ray_ && ray < first_random_ray_;
+      float pull = 0;
+      float pull_z = 0;
+      LossTerm term = LossTerm::kSparse;
+      if (is_sparse) {
+        pull = sparse_weight * sparse_weight_[ray];
+        pull_z = sparse_depth_[ray];
+      } else if (prior_weight > 0) {
+        pull_z = Prior(ray);
+        pull = pull_z > 0 ? prior_weight : 0.0f;
+        term = LossTerm::kPrior;
+      }
+      if (pull > 0) {
+        gradients->pull[ray] = pull;
+        gradients->pull_z[ray] = pull_z;
+        const double offset = (outputs.depth[ray] - pull_z) / pull_z;
+        const double spread = outputs.depth_variance[ray] / (pull_z * pull_z);
+        (*losses)[static_cast<size_t>(term)] +=
+            pull * (offset * offset + spread);
+      }
+    }
+  }
+
+  float Prior(const int ray) const {
+    const PriorImage& prior = objective_.priors_[view_idx_[ray]];
+    const int col = std::min(col_[ray] / kPriorCell, prior.width - 1);
+    const int row = std::min(row_[ray] / kPriorCell, prior.height - 1);
+    return prior.depth[row * prior.width + col];
+  }
+
+  const TrainingObjective& objective_;
+  int step_ = 0;
+  RayTile* rays_ = nullptr;  // of the current tile
+  PerRay<int> view_idx_;
+  PerRay<int> col_;
+  PerRay<int> row_;
+  int num_groups_ = 0;
+  PlanarGroup groups_[kNumPlanarGroups];
+  int first_sparse_ray_ = 0;
+  int first_random_ray_ = 0;
+  PerRay<float> sparse_depth_;
+  PerRay<float> sparse_weight_;
+};
+
+TrainingObjective::TrainingObjective(
+    const Scene& scene,
+    const SceneFrame& frame,
+    const std::vector<int>& train_view_idxs,
+    const std::vector<std::vector<int>>& sources,
+    const LossOptions& loss_options,
+    const TrainingOptions& training_options)
+    : loss_options_(loss_options),
+      training_options_(training_options),
+      train_view_idxs_(train_view_idxs),
+      num_tiles_((training_options.rays_per_step + kMaxTileRays - 1) /
+                 kMaxTileRays),
+      views_(scene, frame),
+      patch_loss_(
+          scene, frame, views_, sources, MakePatchOptions(loss_options)) {
+  CollectPixels(scene);
+  CollectSparseTargets(scene, frame);
+  CollectSegments(scene);
+}
+
+TrainingObjective::~TrainingObjective() = default;
+
+std::unique_ptr<TileObjective> TrainingObjective::MakeTileObjective() const {
+  return std::make_unique<Tile>(*this);
+}
+
+float TrainingObjective::SparseWeight(const int step) const {
+  const bool is_on =
+      step < loss_options_.sparse_fraction * training_options_.num_steps;
+  return is_on && !sparse_targets_.empty()
+             ? static_cast<float>(loss_options_.sparse_weight)
+             : 0.0f;
+}
+
+float TrainingObjective::PriorWeight(const int step) const {
+  const double end = loss_options_.prior_fraction * training_options_.num_steps;
+  return step < end ? static_cast<float>(loss_options_.prior_weight *
+                                         (1.0 - step / end))
+                    : 0.0f;
+}
+
+void TrainingObjective::CollectPixels(const Scene& scene) {
+  size_t num_pixels = 0;
+  size_t num_unmasked = 0;
+  for (const int view_idx : train_view_idxs_) {
+    const View& view = scene.views[view_idx];
+    const size_t count =
+        static_cast<size_t>(view.image.width) * view.image.height;
+    num_pixels += count;
+    num_unmasked +=
+        view.mask.empty()
+            ? count
+            : count - std::count(view.mask.begin(), view.mask.end(), 0);
+    last_pixel_.push_back(num_pixels);
+  }
+  if (num_unmasked == 0) {
+    throw std::invalid_argument(
+        "the masks leave no pixel to train on; black means ignored");
+  }
+}
+
+void TrainingObjective::CollectSparseTargets(const Scene& scene,
+                                             const SceneFrame& frame) {
+  const std::vector<std::vector<DepthSample>> samples =
+      CollectDepthSamples(scene);
+  for (const int view_idx : train_view_idxs_) {
+    for (const DepthSample& sample : samples[view_idx]) {
+      sparse_targets_.push_back({view_idx,
+                                 static_cast<float>(sample.x),
+                                 static_cast<float>(sample.y),
+                                 static_cast<float>(sample.depth * frame.scale),
+                                 sample.weight});
+    }
+  }
+  for (size_t v = 0; v < scene.views.size(); ++v) {
+    PriorImage prior;
+    prior.width = (views_.image(v).width + kPriorCell - 1) / kPriorCell;
+    prior.height = (views_.image(v).height + kPriorCell - 1) / kPriorCell;
+    prior.depth.resize(static_cast<size_t>(prior.width) * prior.height);
+    for (int row = 0; row < prior.height; ++row) {
+      for (int col = 0; col < prior.width; ++col) {
+        prior.depth[row * prior.width + col] = static_cast<float>(
+            frame.scale * InterpolateDepth(samples[v],
+                                           (col + 0.5) * kPriorCell,
+                                           (row + 0.5) * kPriorCell));
+      }
+    }
+    priors_.push_back(std::move(prior));
+  }
+}
+
+void TrainingObjective::CollectSegments(const Scene& scene) {
+  double area = 0;
+  for (const int view_idx : train_view_idxs_) {
+    const View& view = scene.views[view_idx];
+    std::map<int32_t, std::vector<uint32_t>> pixels;
+    for (size_t i = 0; i < view.segments.size(); ++i) {
+      const bool is_masked = !view.mask.empty() && view.mask[i] == 0;
+      if (view.segments[i] >= 0 && !is_masked) {
+        pixels[view.segments[i]].push_back(static_cast<uint32_t>(i));
+      }
+    }
+    for (const auto& [label, segment_pixels] : pixels) {
+      segments_.push_back(
+          {view_idx, segment_pixels_.size(), segment_pixels.size()});
+      segment_pixels_.insert(
+          segment_pixels_.end(), segment_pixels.begin(), segment_pixels.end());
+      area += static_cast<double>(segment_pixels.size());
+      last_segment_area_.push_back(area);
+    }
+  }
+}
+
+}  // namespace structnerf

@@ -1,0 +1,75 @@
+#pragma once
+
+#include "nerf/engine/render_engine.h"
+#include "nerf/losses/patch_loss.h"
+#include "nerf/options.h"
+#include "nerf/scene.h"
+#include "nerf/scene_frame.h"
+#include "nerf/train/training_views.h"
+
+#include <memory>
+#include <vector>
+
+namespace structnerf {
+
+// The StructNeRF objective (paper, eq. 14-15) on a scene: which pixels are
+// drawn and what their rays are worth. Every ray carries colour, patch
+// consistency and the interpolated prior; a part of each tile goes through
+// sparse points, and a part is drawn as groups of four pixels of one planar
+// superpixel.
+class TrainingObjective {
+ public:
+  // `train_view_idxs`: views whose rays are drawn; others are held out.
+  TrainingObjective(const Scene& scene,
+                    const SceneFrame& frame,
+                    const std::vector<int>& train_view_idxs,
+                    const std::vector<std::vector<int>>& sources,
+                    const LossOptions& loss_options,
+                    const TrainingOptions& training_options);
+  ~TrainingObjective();
+
+  const TrainingViews& Views() const { return views_; }
+
+  // Tiles in one step.
+  int NumTiles() const { return num_tiles_; }
+
+  // One thread's view of this objective, which must outlive it.
+  std::unique_ptr<TileObjective> MakeTileObjective() const;
+
+ private:
+  class Tile;
+  struct Segment;
+  struct SparseTarget;
+
+  // Weights of the depth hints at a step.
+  float SparseWeight(int step) const;
+  float PriorWeight(int step) const;
+
+  void CollectPixels(const Scene& scene);
+  void CollectSparseTargets(const Scene& scene, const SceneFrame& frame);
+  void CollectSegments(const Scene& scene);
+
+  const LossOptions loss_options_;
+  const TrainingOptions training_options_;
+  const std::vector<int> train_view_idxs_;
+  int num_tiles_ = 0;
+  TrainingViews views_;
+  PatchLoss patch_loss_;
+
+  // Cumulative number of pixels of the views that are trained on.
+  std::vector<size_t> last_pixel_;
+  std::vector<SparseTarget> sparse_targets_;
+  std::vector<Segment> segments_;
+  std::vector<uint32_t> segment_pixels_;   // row * width + col
+  std::vector<double> last_segment_area_;  // cumulative
+
+  // Interpolated depth of every kPriorCell-th pixel, field units; 0 = none.
+  struct PriorImage {
+    int width = 0;
+    int height = 0;
+    std::vector<float> depth;
+  };
+  std::vector<PriorImage> priors_;
+};
+
+}  // namespace structnerf

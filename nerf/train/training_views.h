@@ -1,0 +1,71 @@
+#pragma once
+
+#include "nerf/engine/ray_tile.h"
+#include "nerf/scene.h"
+#include "nerf/scene_frame.h"
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace structnerf {
+
+// Pose and intrinsics of a view in field coordinates, for rays.
+class ViewGeometry {
+ public:
+  // `camera` may be the view's own or a resized one.
+  ViewGeometry(const View& view,
+               const PinholeCamera& camera,
+               const SceneFrame& frame);
+
+  // Writes the ray through image point (x, y) of `camera` as ray `ray` of the
+  // tile. Rays end where they leave the scene box.
+  void SetRay(double x, double y, int ray, RayTile* rays) const;
+
+ private:
+  Eigen::Vector3d center_;            // field coordinates
+  Eigen::Matrix3d field_from_pixel_;  // direction of unit depth from (x, y, 1)
+  Eigen::Vector3d extent_;
+  double near_;
+};
+
+// All photographs at training resolution, packed for random access from many
+// threads.
+class TrainingViews {
+ public:
+  struct Image {
+    int width = 0;
+    int height = 0;
+    size_t first_pixel = 0;  // into Colors() and Grays()
+  };
+
+  TrainingViews(const Scene& scene, const SceneFrame& frame);
+
+  size_t size() const { return images_.size(); }
+  const Image& image(const int view_idx) const { return images_[view_idx]; }
+  const ViewGeometry& geometry(const int view_idx) const {
+    return geometries_[view_idx];
+  }
+
+  // Colour of a pixel, channels in [0, 1].
+  Eigen::Vector3f Color(int view_idx, int col, int row) const;
+
+  // Masked pixels (scene masks) are neither drawn nor compared with.
+  bool IsMasked(int view_idx, int col, int row) const;
+
+  // Grey values, 0 to kMaxGray, all images one after another, row-major, and
+  // padding that makes a read of two values valid at any pixel. Masked pixels
+  // are kMaskedGray.
+  static constexpr int kMaxGray = 65534;
+  static constexpr int kMaskedGray = 65535;
+  const uint16_t* Grays() const { return grays_.data(); }
+
+ private:
+  std::vector<Image> images_;
+  std::vector<ViewGeometry> geometries_;
+  std::vector<uint32_t> colors_;  // 0x00BBGGRR
+  std::vector<uint16_t> grays_;
+};
+
+}  // namespace structnerf

@@ -1,0 +1,114 @@
+#include "nerf/view_selection.h"
+
+#include "nerf/scene_frame.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <Eigen/Geometry>
+
+namespace structnerf {
+namespace {
+
+constexpr double kBestAngle = 5.0 * M_PI / 180.0;
+constexpr double kAngleFalloff = 15.0 * M_PI / 180.0;
+
+// Score of a view that shares no point is below that of any that does.
+constexpr double kProximityScale = 1e-3;
+
+// Cameras that look further apart than this do not fill up.
+constexpr double kMinCosAngle = 0.7;
+
+double AngleWeight(const double angle) {
+  if (angle < kBestAngle) {
+    const double ratio = angle / kBestAngle;
+    return ratio * ratio;
+  }
+  const double excess = (angle - kBestAngle) / kAngleFalloff;
+  return std::exp(-0.5 * excess * excess);
+}
+
+double TriangulationAngle(const Eigen::Vector3d& center1,
+                          const Eigen::Vector3d& center2,
+                          const Eigen::Vector3d& xyz) {
+  const Eigen::Vector3d ray1 = center1 - xyz;
+  const Eigen::Vector3d ray2 = center2 - xyz;
+  return std::atan2(ray1.cross(ray2).norm(), ray1.dot(ray2));
+}
+
+// Median depth of the sparse points in their views.
+double TypicalDepth(const Scene& scene) {
+  std::vector<double> depths;
+  for (const SparsePoint& point : scene.points) {
+    for (const Observation& observation : point.track) {
+      depths.push_back(
+          DepthInView(scene.views[observation.view_idx], point.xyz));
+    }
+  }
+  if (depths.empty()) {
+    return 1.0;
+  }
+  const auto middle = depths.begin() + depths.size() / 2;
+  std::nth_element(depths.begin(), middle, depths.end());
+  return std::max(*middle, 1e-12);
+}
+
+}  // namespace
+
+std::vector<std::vector<int>> SelectSourceViews(const Scene& scene,
+                                                const int num_sources) {
+  const size_t num_views = scene.views.size();
+  std::vector<Eigen::Vector3d> centers(num_views);
+  for (size_t i = 0; i < num_views; ++i) {
+    centers[i] = scene.views[i].ProjectionCenter();
+  }
+
+  std::vector<double> scores(num_views * num_views, 0.0);
+  for (const SparsePoint& point : scene.points) {
+    for (size_t i = 0; i < point.track.size(); ++i) {
+      for (size_t j = i + 1; j < point.track.size(); ++j) {
+        const int view1 = point.track[i].view_idx;
+        const int view2 = point.track[j].view_idx;
+        if (view1 == view2) {
+          continue;
+        }
+        const double weight = AngleWeight(
+            TriangulationAngle(centers[view1], centers[view2], point.xyz));
+        scores[view1 * num_views + view2] += weight;
+        scores[view2 * num_views + view1] += weight;
+      }
+    }
+  }
+
+  const double typical_depth = TypicalDepth(scene);
+  std::vector<std::vector<int>> sources(num_views);
+  for (size_t i = 0; i < num_views; ++i) {
+    double* const row = scores.data() + i * num_views;
+    for (size_t j = 0; j < num_views; ++j) {
+      const double distance = (centers[i] - centers[j]).norm();
+      const double cos_angle =
+          scene.views[i].cam_from_world_rotation.row(2).dot(
+              scene.views[j].cam_from_world_rotation.row(2));
+      if (i != j && distance > 0 && cos_angle > kMinCosAngle) {
+        row[j] +=
+            kProximityScale * cos_angle / (1.0 + distance / typical_depth);
+      }
+    }
+    row[i] = 0;
+    std::vector<int> order(num_views);
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(), [&](const int a, const int b) {
+      return row[a] > row[b];
+    });
+    for (const int j : order) {
+      if (row[j] <= 0 || static_cast<int>(sources[i].size()) == num_sources) {
+        break;
+      }
+      sources[i].push_back(j);
+    }
+  }
+  return sources;
+}
+
+}  // namespace structnerf
