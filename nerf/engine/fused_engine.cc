@@ -21,8 +21,7 @@ namespace {
 // then stay in the first-level cache.
 constexpr size_t kCornerChunk = 128;
 
-// Cells of the density cache that are evaluated per refresh, and per task.
-constexpr size_t kRefreshCells = size_t{1} << 16;
+// Cells of the density cache that are evaluated per task.
 constexpr size_t kRefreshChunk = 512;
 
 // Corners of a chunk of samples at one level.
@@ -65,6 +64,7 @@ struct TileBuffers {
   AlignedBuffer<float> d_weight_color;
   AlignedBuffer<uint32_t> active;  // samples whose colour is evaluated
   AlignedBuffer<float> direction;  // rays x kDirectionWidth
+  PerRay<float> color_weight;      // sum of the weights of active samples
   CornerBuffer corners;
 };
 
@@ -102,6 +102,8 @@ class FusedEngine : public RenderEngine {
 
   const FieldLayout& Layout() const override { return layout_; }
 
+  const DensityCache& Cache() const override { return cache_; }
+
   int NumThreads() const override { return pool_.NumThreads(); }
 
   LossValues Accumulate(
@@ -115,6 +117,12 @@ class FusedEngine : public RenderEngine {
     });
     LossValues losses = {};
     for (int tile = 0; tile < step.num_tiles; ++tile) {
+      const size_t first = tile * TileSamples();
+      cache_.Raise(step_position_[0].data() + first,
+                   step_position_[1].data() + first,
+                   step_position_[2].data() + first,
+                   step_density_.data() + first,
+                   tile_num_samples_[tile]);
       for (size_t term = 0; term < losses.size(); ++term) {
         losses[term] += tile_losses_[tile][term];
       }
@@ -164,7 +172,7 @@ class FusedEngine : public RenderEngine {
         is_finite.begin(), is_finite.end(), [](const char f) { return f; });
     bool network_finite = true;
     for (size_t i = 0; i < layout_.num_network_parameters; ++i) {
-      network_finite &= std::isfinite(network_gradient_[i]);
+      network_finite &= std::abs(network_gradient_[i]) < kMaxGradient;
     }
     if (network_finite) {
       step.learning_rate = static_cast<float>(
@@ -184,7 +192,8 @@ class FusedEngine : public RenderEngine {
   }
 
   void RefreshDensityCache(const float decay) override {
-    const size_t count = std::min(kRefreshCells, cache_.NumCells());
+    const size_t count =
+        std::min(DensityCache::kRefreshCells, cache_.NumCells());
     for (AlignedBuffer<float>& position : refresh_position_) {
       if (position.size() < count + 16) {
         position.Allocate(count + 16);
@@ -294,6 +303,7 @@ class FusedEngine : public RenderEngine {
     for (AlignedBuffer<float>& position : step_position_) {
       position.Allocate(num_tiles * TileSamples() + 16);
     }
+    step_density_.Allocate(num_tiles * TileSamples());
   }
 
   float LevelWeight(const size_t level) const {
@@ -404,15 +414,22 @@ class FusedEngine : public RenderEngine {
                           n,
                           buffers->direction.data(),
                           &buffers->network);
-    for (std::array<float, kMaxTileRays>& channel : outputs->color) {
+    for (PerRay<float>& channel : outputs->color) {
       channel.fill(0);
     }
+    buffers->color_weight.fill(0);
     for (size_t a = 0; a < num_active; ++a) {
       const size_t s = buffers->active[a];
       const float* const color =
           buffers->network.color.data() + a * kColorOutputWidth;
       for (int c = 0; c < 3; ++c) {
         outputs->color[c][s / n] += buffers->weight[s] * color[c];
+      }
+      buffers->color_weight[s / n] += buffers->weight[s];
+    }
+    for (int ray = 0; ray < rays.num_rays; ++ray) {
+      for (PerRay<float>& channel : outputs->color) {
+        channel[ray] /= buffers->color_weight[ray];
       }
     }
     return num_active;
@@ -435,29 +452,24 @@ class FusedEngine : public RenderEngine {
 
     const size_t num_samples = rays.num_rays * n;
     tile_num_samples_[tile] = num_samples;
-    for (int ray = 0; ray < rays.num_rays; ++ray) {
-      // A sample without a colour of its own neither gains nor loses from
-      // colour: it takes the ray's.
-      const float neutral = gradients.d_color[0][ray] * outputs.color[0][ray] +
-                            gradients.d_color[1][ray] * outputs.color[1][ray] +
-                            gradients.d_color[2][ray] * outputs.color[2][ray];
-      std::fill(buffers.d_weight_color.data() + ray * n,
-                buffers.d_weight_color.data() + (ray + 1) * n,
-                neutral);
-    }
+    // Samples that are not active neither gain nor lose from colour.
+    std::fill(buffers.d_weight_color.data(),
+              buffers.d_weight_color.data() + num_samples,
+              0.0f);
     float* const d_color = buffers.network.d_color.data();
     for (size_t a = 0; a < num_active; ++a) {
       const size_t s = buffers.active[a];
       const size_t ray = s / n;
       const float* const color =
           buffers.network.color.data() + a * kColorOutputWidth;
+      const float share = 1.0f / buffers.color_weight[ray];
       float sum = 0;
       for (int c = 0; c < 3; ++c) {
-        sum += gradients.d_color[c][ray] * color[c];
+        const float gradient = gradients.d_color[c][ray] * share;
+        sum += gradient * (color[c] - outputs.color[c][ray]);
         // Through the sigmoid.
-        d_color[a * kColorOutputWidth + c] = buffers.weight[s] *
-                                             gradients.d_color[c][ray] *
-                                             color[c] * (1 - color[c]);
+        d_color[a * kColorOutputWidth + c] =
+            buffers.weight[s] * gradient * color[c] * (1 - color[c]);
       }
       std::fill(d_color + a * kColorOutputWidth + 3,
                 d_color + (a + 1) * kColorOutputWidth,
@@ -476,6 +488,7 @@ class FusedEngine : public RenderEngine {
                            &buffers.network,
                            network_gradient);
     CompositeGradients composite_gradients;
+    composite_gradients.depth = outputs.depth.data();
     composite_gradients.d_depth = gradients.d_depth.data();
     composite_gradients.d_opacity = gradients.d_opacity.data();
     composite_gradients.pull = gradients.pull.data();
@@ -494,6 +507,10 @@ class FusedEngine : public RenderEngine {
       std::copy(buffers.position[axis].data(),
                 buffers.position[axis].data() + num_samples,
                 step_position_[axis].data() + tile * TileSamples());
+    }
+    for (size_t s = 0; s < num_samples; ++s) {
+      step_density_[tile * TileSamples() + s] =
+          buffers.network.geometry[s * kGeometryWidth];
     }
   }
 
@@ -596,6 +613,7 @@ class FusedEngine : public RenderEngine {
   AlignedBuffer<float> tile_network_gradients_;
   AlignedBuffer<float> d_encoding_;
   AlignedBuffer<float> step_position_[3];
+  AlignedBuffer<float> step_density_;  // raw
 
   AlignedBuffer<float> refresh_position_[3];
   std::vector<float> refresh_density_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "nerf/engine/ray_tile.h"
+#include "nerf/field/density_cache.h"
 #include "nerf/field/field_layout.h"
 #include "nerf/options.h"
 
@@ -65,6 +66,13 @@ class RenderEngine {
   // Evaluates the density of a part of the scene box for the density cache.
   virtual void RefreshDensityCache(float decay) = 0;
 
+  // Evaluates the density of every cell anew, at several points each. For
+  // rendering: training sees most of a cell's history, a rendered ray only what
+  // the cache says now, and misses a surface where it says nothing.
+  void RebuildDensityCache();
+
+  virtual const DensityCache& Cache() const = 0;
+
   // Renders tiles without gradients. Colour is left alone unless asked for.
   virtual void Render(const std::vector<RayTile>& tiles,
                       bool with_color,
@@ -89,7 +97,8 @@ struct EngineOptions {
   // Density at the start, per field unit.
   float initial_density = 1.0f;
 
-  // Samples of less weight take their ray's colour instead of their own.
+  // Samples of less weight have no colour of their own: the ray's is the mean
+  // of the others. Less than one over the number of samples.
   float min_color_weight = 1e-4f;
 
   int num_threads = -1;

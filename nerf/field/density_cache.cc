@@ -66,4 +66,23 @@ void DensityCache::Update(const float* log_density,
   }
 }
 
+void DensityCache::Raise(const float* x,
+                         const float* y,
+                         const float* z,
+                         const float* log_density,
+                         const size_t count) {
+  const auto index = [&](const float position, const int axis) {
+    return std::min(std::max(static_cast<int>(position * cells_per_unit_), 0),
+                    dimensions_[axis] - 1);
+  };
+  for (size_t i = 0; i < count; ++i) {
+    const size_t cell =
+        index(x[i], 0) +
+        static_cast<size_t>(dimensions_[0]) *
+            (index(y[i], 1) +
+             static_cast<size_t>(dimensions_[1]) * index(z[i], 2));
+    cells_[cell] = std::max(cells_[cell], Quantize(log_density[i]));
+  }
+}
+
 }  // namespace structnerf

@@ -45,6 +45,13 @@ class DensityCache {
   // and `decay` times what it was.
   void Update(const float* log_density, size_t count, float decay);
 
+  // Cells that hold the given points become at least as dense as those.
+  void Raise(const float* x,
+             const float* y,
+             const float* z,
+             const float* log_density,
+             size_t count);
+
  private:
   float cells_per_unit_;
   int dimensions_[3];

@@ -40,7 +40,7 @@ HWY_INLINE void UpdateVector(const D d,
 // Also false for NaN.
 template <class D>
 HWY_INLINE bool AllFinite(const D d, const hn::VFromD<D> v) {
-  return hn::AllTrue(d, hn::Lt(hn::Abs(v), hn::Set(d, 1e30f)));
+  return hn::AllTrue(d, hn::Lt(hn::Abs(v), hn::Set(d, kMaxGradient)));
 }
 
 bool UpdateEntry(const AdamStep& step,

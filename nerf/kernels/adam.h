@@ -19,6 +19,9 @@ struct AdamStep {
   float epsilon = 1e-10f;
 };
 
+// Gradients from here on count as not finite: their squares must not overflow.
+constexpr float kMaxGradient = 1e18f;
+
 // Master copies of kGridFeatures numbers and their moments, next to each other
 // since they are always used together.
 struct GridEntryState {

@@ -18,9 +18,6 @@ namespace hn = hwy::HWY_NAMESPACE;
 // series is then exact to float precision.
 constexpr float kSeriesTau = 0.3f;
 
-// exp(-tau) of more than this is zero in float.
-constexpr float kOpaqueTau = 87.0f;
-
 // f(tau) and f'(tau), see the header.
 template <class D, class V = hn::VFromD<D>>
 HWY_INLINE V WithinInterval(const D d, const V tau, V* derivative) {
@@ -111,7 +108,7 @@ HWY_INLINE void WeightsAndDepths(const D d,
                                  float* weight,
                                  float* z) {
   using V = hn::VFromD<D>;
-  const V t = hn::Min(hn::LoadU(d, tau + i), hn::Set(d, kOpaqueTau));
+  const V t = hn::LoadU(d, tau + i);
   const V alpha = hn::Neg(hn::Expm1(d, hn::Neg(t)));
   hn::StoreU(hn::Mul(hn::LoadU(d, transmittance + i), alpha), d, weight + i);
   const V begin = hn::LoadU(d, edges + i);
@@ -171,14 +168,12 @@ HWY_INLINE void WithinIntervalDerivatives(const float* tau,
   size_t i = 0;
   for (; i + lanes <= n; i += lanes) {
     auto derivative = hn::Zero(d);
-    WithinInterval(
-        d, hn::Min(hn::LoadU(d, tau + i), hn::Set(d, kOpaqueTau)), &derivative);
+    WithinInterval(d, hn::LoadU(d, tau + i), &derivative);
     hn::StoreU(derivative, d, derivatives + i);
   }
   for (; i < n; ++i) {
     auto derivative = hn::Zero(d1);
-    WithinInterval(
-        d1, hn::Min(hn::Set(d1, tau[i]), hn::Set(d1, kOpaqueTau)), &derivative);
+    WithinInterval(d1, hn::Set(d1, tau[i]), &derivative);
     derivatives[i] = hn::GetLane(derivative);
   }
 }
@@ -200,10 +195,11 @@ void CompositeBackwardImpl(const CompositeInputs& inputs,
     const float* const d_weight_color = gradients.d_weight_color + ray * n;
     float* const d_raw = d_raw_density + ray * n * stride;
 
+    const float depth = gradients.depth[ray];
     const float d_depth = gradients.d_depth[ray];
-    const float pull = gradients.pull[ray];
-    const float pull_z = pull != 0 ? gradients.pull_z[ray] : 1.0f;
-    const float inverse_pull_z = 1.0f / pull_z;
+    const float pull_z =
+        gradients.pull[ray] != 0 ? gradients.pull_z[ray] : 1.0f;
+    const float pull = gradients.pull[ray] / (pull_z * pull_z);
 
     WithinIntervalDerivatives(tau, n, z_by_tau);
 
@@ -211,16 +207,17 @@ void CompositeBackwardImpl(const CompositeInputs& inputs,
     // difference of large numbers.
     float later = 0;  // sum_{j > i} w_j dL/dw_j
     for (size_t k = n; k-- > 0;) {
-      const float offset = (z[k] - pull_z) * inverse_pull_z;
+      // Relative to a sample at the ray's depth, as d_weight_color.
       const float d_weight =
-          d_weight_color[k] + d_depth * z[k] + pull * offset * offset;
+          d_weight_color[k] +
+          (z[k] - depth) *
+              (d_depth + pull * ((z[k] - pull_z) + (depth - pull_z)));
       if (k == n - 1) {
         later = weight[k] * (d_weight - gradients.d_opacity[ray]);
         d_raw[k * stride] = 0;
         continue;
       }
-      const float d_z =
-          weight[k] * (d_depth + 2 * pull * offset * inverse_pull_z);
+      const float d_z = weight[k] * (d_depth + 2 * pull * (z[k] - pull_z));
       const float length = edges[k + 1] - edges[k];
       const float d_tau =
           transmittance[k + 1] * d_weight - later + d_z * length * z_by_tau[k];

@@ -56,11 +56,14 @@ void CompositeForward(const CompositeInputs& inputs,
 // opacity a loss may pull the whole distribution to a depth, adding
 // pull * sum_i w_i ((z_i - pull_z) / pull_z)^2 for pull_z > 0 (line of sight).
 struct CompositeGradients {
+  const float* depth = nullptr;      // rays, as rendered
   const float* d_depth = nullptr;    // rays
   const float* d_opacity = nullptr;  // rays
   const float* pull = nullptr;       // rays, 0 = no pull
   const float* pull_z = nullptr;     // rays
-  // sum_k dL/dcolor_k * color_ik: derivative by the weight through colour.
+  // sum_k dL/dcolor_k (color_ik - color_k): derivative by the weight through
+  // colour. Since weights sum to one, a constant per ray makes no difference;
+  // this one keeps differences of large numbers out of the sums.
   const float* d_weight_color = nullptr;  // rays x n
 };
 

@@ -1,0 +1,373 @@
+#include "nerf/engine/torch_engine.h"
+
+#include "nerf/engine/tile_sampling.h"
+#include "nerf/engine/torch_compositing.h"
+#include "nerf/engine/torch_field.h"
+#include "nerf/kernels/adam.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <torch/torch.h>
+
+namespace structnerf {
+namespace {
+
+// Rays rendered at a time without gradients.
+constexpr size_t kRenderTiles = 64;
+
+// Samples of the rays of several tiles, one after the other.
+struct SampleBatch {
+  int64_t num_rays = 0;
+  std::vector<float> edges;         // rays x (n + 1)
+  std::vector<float> positions[3];  // rays x n
+  std::vector<float> direction;     // rays x kDirectionWidth
+  std::vector<float> ray_length;    // rays
+};
+
+struct RenderedBatch {
+  torch::Tensor raw_density;  // rays x n
+  TorchComposite composite;
+  torch::Tensor color;  // rays x 3, undefined if not asked for
+};
+
+void AppendTile(const RayTile& rays,
+                const DensityCache& cache,
+                const RaySamplingParameters& sampling,
+                Random* random,
+                SampleBatch* batch) {
+  const size_t n = sampling.num_samples;
+  const size_t first_ray = batch->num_rays;
+  batch->num_rays += rays.num_rays;
+  batch->edges.resize(batch->num_rays * (n + 1));
+  for (std::vector<float>& position : batch->positions) {
+    position.resize(batch->num_rays * n);
+  }
+  batch->direction.resize(batch->num_rays * kDirectionWidth);
+  SampleTile(rays,
+             cache,
+             sampling,
+             random,
+             batch->edges.data() + first_ray * (n + 1),
+             batch->positions[0].data() + first_ray * n,
+             batch->positions[1].data() + first_ray * n,
+             batch->positions[2].data() + first_ray * n);
+  for (int ray = 0; ray < rays.num_rays; ++ray) {
+    EncodeDirection(
+        rays,
+        ray,
+        batch->direction.data() + (first_ray + ray) * kDirectionWidth);
+    batch->ray_length.push_back(rays.direction_norm[ray]);
+  }
+}
+
+class TorchEngine : public RenderEngine {
+ public:
+  TorchEngine(const EngineOptions& options, const TorchPrecision precision)
+      : options_(options),
+        layout_(options.field, options.extent),
+        type_(precision == TorchPrecision::kDouble ? torch::kDouble
+                                                   : torch::kFloat),
+        cache_(options.sampling.cache_resolution,
+               options.extent,
+               options.initial_density) {
+    sampling_.num_bins = options.sampling.num_bins;
+    sampling_.num_samples = options.sampling.num_samples;
+    SetParameters(
+        InitialParameters(layout_, options.initial_density, options.seed));
+    for (Moments* moments : {&grid_moments_, &network_moments_}) {
+      const torch::Tensor& values =
+          moments == &grid_moments_ ? grid_ : network_;
+      moments->first = torch::zeros_like(values);
+      moments->second = torch::zeros_like(values);
+    }
+  }
+
+  const FieldLayout& Layout() const override { return layout_; }
+
+  const DensityCache& Cache() const override { return cache_; }
+
+  // The threads are inside of the tensor operations.
+  int NumThreads() const override { return 1; }
+
+  LossValues Accumulate(
+      const StepParameters& step,
+      const std::vector<std::unique_ptr<TileObjective>>& objectives) override {
+    TileObjective& objective = *objectives.front();
+    level_weights_ = step.level_weights;
+    SampleBatch batch;
+    std::vector<int> num_tile_rays;
+    for (int tile = 0; tile < step.num_tiles; ++tile) {
+      RayTile rays;
+      objective.DrawRays(step.step, tile, &rays);
+      Random random(options_.seed, step.step, tile);
+      AppendTile(rays, cache_, sampling_, &random, &batch);
+      num_tile_rays.push_back(rays.num_rays);
+    }
+    if (batch.num_rays == 0) {
+      return LossValues{};
+    }
+    const RenderedBatch rendered = RenderBatch(batch, /*with_color=*/true);
+    const std::vector<float> density = CopyValues(rendered.raw_density);
+    cache_.Raise(batch.positions[0].data(),
+                 batch.positions[1].data(),
+                 batch.positions[2].data(),
+                 density.data(),
+                 density.size());
+
+    // An objective judges the rays it drew last, so they are drawn again.
+    LossValues losses = {};
+    std::vector<float> gradients[kNumGradients];
+    int64_t first_ray = 0;
+    for (int tile = 0; tile < step.num_tiles; ++tile) {
+      RayTile rays;
+      objective.DrawRays(step.step, tile, &rays);
+      RayOutputs outputs;
+      CopyOutputs(rendered, first_ray, rays.num_rays, &outputs);
+      RayGradients tile_gradients;
+      const LossValues tile_losses =
+          objective.Evaluate(outputs, &tile_gradients);
+      for (size_t term = 0; term < losses.size(); ++term) {
+        losses[term] += tile_losses[term];
+      }
+      const PerRay<float>* const columns[kNumGradients] = {
+          &tile_gradients.d_color[0],
+          &tile_gradients.d_color[1],
+          &tile_gradients.d_color[2],
+          &tile_gradients.d_depth,
+          &tile_gradients.d_opacity,
+          &tile_gradients.pull,
+          &tile_gradients.pull_z};
+      for (int i = 0; i < kNumGradients; ++i) {
+        gradients[i].insert(gradients[i].end(),
+                            columns[i]->begin(),
+                            columns[i]->begin() + rays.num_rays);
+      }
+      first_ray += rays.num_rays;
+    }
+    // A function whose derivatives by the outputs are the objectives'.
+    torch::Tensor surrogate =
+        (PullWithTorch(rendered.composite,
+                       MakeTensor(gradients[5]),
+                       MakeTensor(gradients[6])) +
+         MakeTensor(gradients[3]) * rendered.composite.depth +
+         MakeTensor(gradients[4]) * rendered.composite.opacity)
+            .sum();
+    for (int c = 0; c < 3; ++c) {
+      surrogate =
+          surrogate +
+          (MakeTensor(gradients[c]) * rendered.color.select(1, c)).sum();
+    }
+    surrogate.backward();
+    return losses;
+  }
+
+  bool Update(const float grid_learning_rate,
+              const float network_learning_rate) override {
+    const torch::NoGradGuard no_grad;
+    ++num_updates_;
+    const AdamStep step;
+    bool all_finite = true;
+    if (grid_.grad().defined()) {
+      const torch::Tensor gradient = grid_.grad();
+      const torch::Tensor touched = (gradient != 0).any(1);
+      const torch::Tensor finite = IsFinite(gradient).all(1);
+      all_finite &= finite.all().item<bool>();
+      const torch::Tensor rows = (touched & finite).nonzero().squeeze(1);
+      const torch::Tensor g = gradient.index_select(0, rows);
+      const torch::Tensor m =
+          step.beta1 * grid_moments_.first.index_select(0, rows) +
+          (1 - step.beta1) * g;
+      const torch::Tensor v =
+          step.beta2 * grid_moments_.second.index_select(0, rows) +
+          (1 - step.beta2) * g * g;
+      grid_moments_.first.index_copy_(0, rows, m);
+      grid_moments_.second.index_copy_(0, rows, v);
+      grid_.index_add_(
+          0, rows, m / (v.sqrt() + step.epsilon), -grid_learning_rate);
+      grid_.mutable_grad().zero_();
+    }
+    if (network_.grad().defined()) {
+      const torch::Tensor g = network_.grad();
+      if (IsFinite(g).all().item<bool>()) {
+        Moments& moments = network_moments_;
+        moments.first.mul_(step.beta1).add_(g, 1 - step.beta1);
+        moments.second.mul_(step.beta2).add_(g * g, 1 - step.beta2);
+        const double learning_rate =
+            network_learning_rate *
+            std::sqrt(1 - std::pow(step.beta2, num_updates_)) /
+            (1 - std::pow(step.beta1, num_updates_));
+        network_.sub_(moments.first / (moments.second.sqrt() + step.epsilon),
+                      learning_rate);
+      } else {
+        all_finite = false;
+      }
+      network_.mutable_grad().zero_();
+    }
+    return all_finite;
+  }
+
+  void RefreshDensityCache(const float decay) override {
+    const torch::NoGradGuard no_grad;
+    const size_t count =
+        std::min(DensityCache::kRefreshCells, cache_.NumCells());
+    std::vector<float> positions[3];
+    for (std::vector<float>& position : positions) {
+      position.resize(count);
+    }
+    cache_.NextPoints(
+        count, positions[0].data(), positions[1].data(), positions[2].data());
+    const torch::Tensor geometry = TorchGeometry(
+        layout_,
+        network_,
+        TorchEncode(layout_, grid_, StackPositions(positions), level_weights_));
+    const std::vector<float> density = CopyValues(geometry.select(1, 0));
+    cache_.Update(density.data(), count, decay);
+  }
+
+  void Render(const std::vector<RayTile>& tiles,
+              const bool with_color,
+              std::vector<RayOutputs>* outputs) override {
+    const torch::NoGradGuard no_grad;
+    outputs->resize(tiles.size());
+    for (size_t begin = 0; begin < tiles.size(); begin += kRenderTiles) {
+      const size_t end = std::min(tiles.size(), begin + kRenderTiles);
+      SampleBatch batch;
+      for (size_t tile = begin; tile < end; ++tile) {
+        AppendTile(tiles[tile], cache_, sampling_, nullptr, &batch);
+      }
+      if (batch.num_rays == 0) {
+        continue;
+      }
+      const RenderedBatch rendered = RenderBatch(batch, with_color);
+      int64_t first_ray = 0;
+      for (size_t tile = begin; tile < end; ++tile) {
+        CopyOutputs(
+            rendered, first_ray, tiles[tile].num_rays, &(*outputs)[tile]);
+        first_ray += tiles[tile].num_rays;
+      }
+    }
+  }
+
+  FieldParameters Parameters() const override {
+    return {CopyValues(grid_), CopyValues(network_)};
+  }
+
+  void SetParameters(const FieldParameters& parameters) override {
+    grid_ = MakeTensor(parameters.grid)
+                .view({-1, kGridFeatures})
+                .requires_grad_(true);
+    network_ = MakeTensor(parameters.network).requires_grad_(true);
+  }
+
+  FieldParameters Gradients() const override {
+    const auto gradient = [](const torch::Tensor& values) {
+      return CopyValues(values.grad().defined() ? values.grad()
+                                                : torch::zeros_like(values));
+    };
+    return {gradient(grid_), gradient(network_)};
+  }
+
+ private:
+  // Columns of RayGradients.
+  static constexpr int kNumGradients = 7;
+
+  struct Moments {
+    torch::Tensor first;
+    torch::Tensor second;
+  };
+
+  torch::Tensor MakeTensor(const std::vector<float>& values) const {
+    return torch::from_blob(const_cast<float*>(values.data()),
+                            {static_cast<int64_t>(values.size())},
+                            torch::kFloat)
+        .to(type_, /*non_blocking=*/false, /*copy=*/true);
+  }
+
+  torch::Tensor StackPositions(const std::vector<float> (&positions)[3]) const {
+    return torch::stack({MakeTensor(positions[0]),
+                         MakeTensor(positions[1]),
+                         MakeTensor(positions[2])},
+                        1);
+  }
+
+  static std::vector<float> CopyValues(const torch::Tensor& values) {
+    const torch::Tensor flat =
+        values.detach().to(torch::kFloat).contiguous().flatten();
+    const float* const data = flat.data_ptr<float>();
+    return std::vector<float>(data, data + flat.numel());
+  }
+
+  static torch::Tensor IsFinite(const torch::Tensor& gradient) {
+    return gradient.abs() < kMaxGradient;
+  }
+
+  RenderedBatch RenderBatch(const SampleBatch& batch,
+                            const bool with_color) const {
+    const int64_t n = sampling_.num_samples;
+    const torch::Tensor geometry = TorchGeometry(
+        layout_,
+        network_,
+        TorchEncode(
+            layout_, grid_, StackPositions(batch.positions), level_weights_));
+    RenderedBatch rendered;
+    rendered.raw_density = geometry.select(1, 0).view({batch.num_rays, n});
+    rendered.composite = CompositeWithTorch(
+        rendered.raw_density,
+        MakeTensor(batch.edges).view({batch.num_rays, n + 1}),
+        MakeTensor(batch.ray_length));
+    if (with_color) {
+      const torch::Tensor direction =
+          MakeTensor(batch.direction)
+              .view({batch.num_rays, kDirectionWidth})
+              .repeat_interleave(n, 0);
+      const torch::Tensor color =
+          TorchColor(layout_, network_, geometry, direction);
+      rendered.color = RayColorWithTorch(rendered.composite.weight,
+                                         color.view({batch.num_rays, n, 3}),
+                                         options_.min_color_weight);
+    }
+    return rendered;
+  }
+
+  static void CopyOutputs(const RenderedBatch& rendered,
+                          const int64_t first_ray,
+                          const int64_t num_rays,
+                          RayOutputs* outputs) {
+    const auto copy = [&](const torch::Tensor& from, PerRay<float>* to) {
+      const std::vector<float> values =
+          CopyValues(from.narrow(0, first_ray, num_rays));
+      std::copy(values.begin(), values.end(), to->begin());
+    };
+    if (rendered.color.defined()) {
+      for (int c = 0; c < 3; ++c) {
+        copy(rendered.color.select(1, c), &outputs->color[c]);
+      }
+    }
+    copy(rendered.composite.depth, &outputs->depth);
+    copy(rendered.composite.variance, &outputs->depth_variance);
+    copy(rendered.composite.opacity, &outputs->opacity);
+  }
+
+  const EngineOptions options_;
+  const FieldLayout layout_;
+  const torch::ScalarType type_;
+  RaySamplingParameters sampling_;
+  DensityCache cache_;
+  std::vector<float> level_weights_;  // empty = all one
+
+  torch::Tensor grid_;     // num_grid_entries x kGridFeatures
+  torch::Tensor network_;  // num_network_parameters
+  Moments grid_moments_;
+  Moments network_moments_;
+  int num_updates_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<RenderEngine> MakeTorchEngine(const EngineOptions& options,
+                                              const TorchPrecision precision) {
+  return std::make_unique<TorchEngine>(options, precision);
+}
+
+}  // namespace structnerf
