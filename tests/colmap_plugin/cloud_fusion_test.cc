@@ -1,0 +1,143 @@
+#include "colmap_plugin/cloud_fusion.h"
+
+#include "colmap_plugin/input_check.h"
+#include "tests/colmap_plugin/tiny_model.h"
+#include "tests/support/temp_dir.h"
+
+#include <filesystem>
+
+#include <colmap/util/ply.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace structnerf {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+// A workspace of views of the plane z = 4, with exact maps.
+class CloudFusionTest : public testing::Test {
+ protected:
+  static constexpr int kNumViews = 4;
+
+  CloudFusionTest() : workspace_(temp_dir_ / "dense") {
+    TinyModel model = MakeTinyModel(kNumViews);
+    for (TinyModel::Image& image : model.images) {
+      image.x *= 0.2;
+    }
+    model.WriteModel(workspace_.SparsePath());
+    model.WriteImages(workspace_.ImagesPath());
+    names_ = ImageNames(ReadModel(workspace_.SparsePath()));
+    workspace_.CreateFolders(names_);
+    workspace_.WriteConfigs(names_, {{1}, {0, 2}, {1, 3}, {2}});
+    StereoMaps maps{64, 48, std::vector<float>(64 * 48, 4.0f), {}};
+    maps.normal.resize(3 * 64 * 48, 0.0f);
+    std::fill(maps.normal.begin() + 2 * 64 * 48, maps.normal.end(), -1.0f);
+    for (const std::string& name : names_) {
+      workspace_.WriteMaps(name, MapType::kGeometric, maps);
+    }
+    options_.min_num_pixels = 2;
+  }
+
+  TempDir temp_dir_;
+  DenseWorkspace workspace_;
+  std::vector<std::string> names_;
+  colmap::mvs::StereoFusionOptions options_;
+  Progress progress_;
+};
+
+TEST_F(CloudFusionTest, PointsLieOnThePlaneInModelUnits) {
+  const size_t num_points = FuseMaps(
+      workspace_, MapType::kGeometric, options_, kNumViews, &progress_);
+  // Most pixels of one view, each seen by several.
+  EXPECT_GT(num_points, 2000);
+  EXPECT_LT(num_points, 64 * 48 * 2);
+  const auto points = colmap::ReadPly(workspace_.FusedPath());
+  ASSERT_EQ(points.size(), num_points);
+  for (const colmap::PlyPoint& point : points) {
+    EXPECT_NEAR(point.z, 4, 1e-5);
+    // The field of view at that depth, of all views.
+    EXPECT_GE(point.x, -32 / 60.0 * 4 - 1e-3);
+    EXPECT_LE(point.x, 32 / 60.0 * 4 + 0.3 + 1e-3);
+    EXPECT_LE(std::abs(point.y), 24 / 60.0 * 4 + 1e-3);
+    EXPECT_NEAR(point.nz, -1, 1e-5);
+  }
+  EXPECT_TRUE(std::filesystem::exists(temp_dir_ / "dense/fused.ply.vis"));
+  EXPECT_FALSE(std::filesystem::exists(temp_dir_ / "dense/fused.ply.partial"));
+}
+
+TEST_F(CloudFusionTest, CacheGivesTheSameCloud) {
+  const size_t num_points = FuseMaps(
+      workspace_, MapType::kGeometric, options_, kNumViews, &progress_);
+  options_.use_cache = true;
+  options_.cache_size = 1e-4;
+  EXPECT_NEAR(
+      FuseMaps(
+          workspace_, MapType::kGeometric, options_, kNumViews, &progress_),
+      num_points,
+      0.05 * num_points);
+}
+
+TEST_F(CloudFusionTest, TooFewViewsGiveAnEmptyCloud) {
+  options_.min_num_pixels = 100;
+  EXPECT_EQ(
+      FuseMaps(
+          workspace_, MapType::kGeometric, options_, kNumViews, &progress_),
+      0);
+  EXPECT_THAT(colmap::ReadPly(workspace_.FusedPath()), IsEmpty());
+}
+
+TEST_F(CloudFusionTest, AbortWritesNothing) {
+  class AbortingProgress : public Progress {
+    bool ShouldAbort() override { return true; }
+  };
+  AbortingProgress progress;
+  EXPECT_THROW(
+      FuseMaps(workspace_, MapType::kGeometric, options_, kNumViews, &progress),
+      Aborted);
+  EXPECT_FALSE(std::filesystem::exists(workspace_.FusedPath()));
+}
+
+TEST(DefaultMinNumPixels, GrowsWithTheViewsUpToColmapsDefault) {
+  EXPECT_EQ(DefaultMinNumPixels(2), 2);
+  EXPECT_EQ(DefaultMinNumPixels(12), 2);
+  EXPECT_EQ(DefaultMinNumPixels(20), 3);
+  EXPECT_EQ(DefaultMinNumPixels(30), 5);
+  EXPECT_EQ(DefaultMinNumPixels(1000), 5);
+}
+
+TEST(FitFusionIntoMemory, ChangesNothingThatFits) {
+  const std::vector<PinholeCamera> cameras(10, {640, 480, 1, 1, 0, 0});
+  colmap::mvs::StereoFusionOptions options;
+  EXPECT_EQ(FitFusionIntoMemory(cameras, size_t{1} << 30, &options), "");
+  EXPECT_FALSE(options.use_cache);
+  EXPECT_EQ(options.max_image_size, -1);
+}
+
+TEST(FitFusionIntoMemory, CachesThenReducesThenRefuses) {
+  const std::vector<PinholeCamera> cameras(100, {4000, 3000, 1, 1, 0, 0});
+  colmap::mvs::StereoFusionOptions options;
+  const size_t full = EstimateFusionMemory(options, cameras);
+  EXPECT_GT(full, 100 * 4000 * 3000 * size_t{20});
+
+  EXPECT_THAT(FitFusionIntoMemory(cameras, full - 1, &options),
+              HasSubstr("cache"));
+  EXPECT_TRUE(options.use_cache);
+  EXPECT_EQ(options.max_image_size, -1);
+  EXPECT_LT(EstimateFusionMemory(options, cameras), full);
+
+  options = colmap::mvs::StereoFusionOptions();
+  const size_t limit = full / 20;
+  EXPECT_THAT(FitFusionIntoMemory(cameras, limit, &options),
+              HasSubstr("reduced to"));
+  EXPECT_LT(options.max_image_size, 4000);
+  EXPECT_LE(EstimateFusionMemory(options, cameras), limit);
+
+  EXPECT_THROW(FitFusionIntoMemory(cameras, 1000, &options),
+               std::runtime_error);
+}
+
+}  // namespace
+}  // namespace structnerf

@@ -1,0 +1,147 @@
+#include "colmap_plugin/input_check.h"
+
+#include "tests/colmap_plugin/tiny_model.h"
+#include "tests/support/temp_dir.h"
+
+#include <filesystem>
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
+
+namespace structnerf {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+
+// Empty if the function does not throw.
+template <typename Function>
+std::string ErrorOf(Function function) {
+  try {
+    function();
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+class InputCheckTest : public testing::Test {
+ protected:
+  std::string ErrorOfModel(const TinyModel& model) {
+    model.WriteModel(temp_dir_ / "sparse");
+    return ErrorOf([&]() { CheckModel(ReadModel(temp_dir_ / "sparse")); });
+  }
+
+  std::string ErrorOfImages(const TinyModel& model) {
+    model.WriteModel(temp_dir_ / "sparse");
+    return ErrorOf([&]() {
+      CheckImages(ReadModel(temp_dir_ / "sparse"), temp_dir_ / "images");
+    });
+  }
+
+  TempDir temp_dir_;
+};
+
+TEST_F(InputCheckTest, AcceptsAGoodModel) {
+  const TinyModel model = MakeTinyModel(2);
+  model.WriteImages(temp_dir_ / "images");
+  EXPECT_EQ(ErrorOfModel(model), "");
+  EXPECT_EQ(ErrorOfImages(model), "");
+  EXPECT_THAT(ImageNames(ReadModel(temp_dir_ / "sparse")),
+              ElementsAre("0.png", "1.png"));
+}
+
+TEST_F(InputCheckTest, NamesMissingModel) {
+  EXPECT_THAT(ErrorOf([&]() { ReadModel(temp_dir_ / "none"); }),
+              HasSubstr(temp_dir_ / "none"));
+  EXPECT_THAT(ErrorOf([&]() { ReadModel(temp_dir_.Path()); }),
+              HasSubstr("holds no COLMAP model"));
+}
+
+TEST_F(InputCheckTest, NamesDamagedModel) {
+  MakeTinyModel(2).WriteModel(temp_dir_ / "sparse");
+  std::ofstream(temp_dir_ / "sparse/images.txt") << "1 no number\n\n";
+  EXPECT_THAT(ErrorOf([&]() { ReadModel(temp_dir_ / "sparse"); }),
+              HasSubstr(temp_dir_ / "sparse"));
+}
+
+TEST_F(InputCheckTest, RefusesUnknownCameraModels) {
+  TinyModel model = MakeTinyModel(2);
+  model.cameras[0].model = "EQUIRECTANGULAR";
+  const std::string error = ErrorOfModel(model);
+  EXPECT_THAT(error, HasSubstr(temp_dir_ / "sparse"));
+  EXPECT_THAT(error, HasSubstr("spherical"));
+}
+
+TEST_F(InputCheckTest, NeedsTwoImagesAndPoints) {
+  EXPECT_THAT(ErrorOfModel(MakeTinyModel(0)), HasSubstr("0 registered"));
+  EXPECT_THAT(ErrorOfModel(MakeTinyModel(1)), HasSubstr("1 registered"));
+  TinyModel model = MakeTinyModel(2);
+  model.points.clear();
+  EXPECT_THAT(ErrorOfModel(model), HasSubstr("no sparse points"));
+}
+
+TEST_F(InputCheckTest, ImageNamesStayInTheWorkspace) {
+  for (const std::string name :
+       {"../0.png", "a/../../0.png", "/etc/0.png", "..", "sub/", "a\tb.png"}) {
+    TinyModel model = MakeTinyModel(2);
+    model.images[1].name = name;
+    const std::string error = ErrorOfModel(model);
+    EXPECT_THAT(error, HasSubstr("would leave the workspace")) << name;
+    EXPECT_THAT(error, Not(HasSubstr("\t")));
+  }
+  for (const std::string name :
+       {"a/b/0.png", "..0.png", "a..b/0.png", "ö.png"}) {
+    TinyModel model = MakeTinyModel(2);
+    model.images[1].name = name;
+    EXPECT_EQ(ErrorOfModel(model), "") << name;
+  }
+}
+
+TEST_F(InputCheckTest, ImageNamesAreUnique) {
+  TinyModel model = MakeTinyModel(2);
+  model.images[1].name = "./0.png";
+  EXPECT_THAT(ErrorOfModel(model), HasSubstr("two images named ./0.png"));
+}
+
+TEST_F(InputCheckTest, NamesBadImages) {
+  const TinyModel model = MakeTinyModel(3);
+  EXPECT_THAT(ErrorOfImages(model), HasSubstr(temp_dir_ / "images"));
+  model.WriteImages(temp_dir_ / "images");
+
+  cv::imwrite(temp_dir_ / "images/1.png", RandomImage(63, 48, 0));
+  std::string error = ErrorOfImages(model);
+  EXPECT_THAT(error, HasSubstr(temp_dir_ / "images/1.png"));
+  EXPECT_THAT(error, HasSubstr("63x48"));
+  EXPECT_THAT(error, HasSubstr("64x48"));
+
+  std::ofstream(temp_dir_ / "images/1.png") << "no image";
+  error = ErrorOfImages(model);
+  EXPECT_THAT(error, HasSubstr(temp_dir_ / "images/1.png"));
+  EXPECT_THAT(error, HasSubstr("cannot be read"));
+
+  std::filesystem::remove(temp_dir_ / "images/1.png");
+  EXPECT_THAT(ErrorOfImages(model), HasSubstr("does not exist"));
+
+  std::filesystem::create_directory(temp_dir_ / "images/1.png");
+  EXPECT_THAT(ErrorOfImages(model), HasSubstr("cannot be read"));
+}
+
+TEST_F(InputCheckTest, MaskFolderMustHoldAMask) {
+  MakeTinyModel(2).WriteModel(temp_dir_ / "sparse");
+  const auto check = [&]() {
+    CheckMasks(ReadModel(temp_dir_ / "sparse"), temp_dir_ / "masks");
+  };
+  EXPECT_THAT(ErrorOf(check), HasSubstr("does not exist"));
+  std::filesystem::create_directory(temp_dir_ / "masks");
+  std::ofstream(temp_dir_ / "masks/1.png") << "wrong name";
+  EXPECT_THAT(ErrorOf(check), HasSubstr("0.png.png"));
+  std::ofstream(temp_dir_ / "masks/1.png.png") << "right name";
+  EXPECT_EQ(ErrorOf(check), "");
+}
+
+}  // namespace
+}  // namespace structnerf

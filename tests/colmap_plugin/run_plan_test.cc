@@ -1,0 +1,93 @@
+#include "colmap_plugin/run_plan.h"
+
+#include "colmap_plugin/input_check.h"
+#include "colmap_plugin/memory_budget.h"
+#include "nerf/reconstructor.h"
+#include "tests/colmap_plugin/tiny_model.h"
+#include "tests/support/temp_dir.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace structnerf {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr double kBytesPerGb = 1024.0 * 1024.0 * 1024.0;
+
+std::vector<PinholeCamera> MakeCameras(int num_views) {
+  return std::vector<PinholeCamera>(num_views, {2000, 1500, 1, 1, 0, 0});
+}
+
+TEST(MemoryLimit, IsThreeQuartersUnlessGiven) {
+  EXPECT_EQ(MemoryLimit(2), size_t{2} << 30);
+  EXPECT_NEAR(static_cast<double>(MemoryLimit(-1)),
+              0.75 * static_cast<double>(AvailableMemory()),
+              4);
+  EXPECT_GT(PeakMemory(), 1 << 20);
+  EXPECT_LT(PeakMemory(), AvailableMemory());
+}
+
+TEST(PlanMemory, KeepsWhatFits) {
+  StructNerfOptions options;
+  options.max_memory_gb = 1000;
+  const MemoryPlan plan = PlanMemory(options, MakeCameras(20));
+  EXPECT_EQ(plan.max_image_size,
+            options.reconstruction.training.max_image_size);
+  EXPECT_EQ(plan.note, "");
+  EXPECT_LT(plan.depth_map_bytes, plan.limit);
+}
+
+TEST(PlanMemory, ReducesImagesAndSaysSo) {
+  StructNerfOptions options;
+  options.reconstruction.training.max_image_size = 2000;
+  const auto cameras = MakeCameras(3000);
+  ReconstructionOptions small = options.reconstruction;
+  small.training.max_image_size = 500;
+  options.max_memory_gb =
+      Reconstructor::EstimateMemory(small, 3000, 2000, 1500) / kBytesPerGb + 1;
+  const MemoryPlan plan = PlanMemory(options, cameras);
+  EXPECT_LT(plan.max_image_size, 2000);
+  EXPECT_GE(plan.max_image_size, 300);
+  EXPECT_THAT(plan.note, HasSubstr(std::to_string(plan.max_image_size)));
+  EXPECT_THAT(plan.note, HasSubstr("2000"));
+}
+
+TEST(PlanMemory, RefusesWhatCannotFit) {
+  StructNerfOptions options;
+  options.max_memory_gb = 0.01;
+  try {
+    PlanMemory(options, MakeCameras(20));
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("--StructNeRF.max_memory_gb"));
+  }
+}
+
+TEST(CheckDiskSpace, RefusesMoreThanTheDiskHas) {
+  const TempDir temp_dir;
+  EXPECT_NO_THROW(CheckDiskSpace(temp_dir / "not/there", MakeCameras(1), 0));
+  try {
+    CheckDiskSpace(temp_dir / "not/there", MakeCameras(1), size_t{1} << 60);
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr(temp_dir / "not/there"));
+  }
+}
+
+TEST(UndistortedCameras, AreInModelOrder) {
+  const TempDir temp_dir;
+  TinyModel model = MakeTinyModel(2);
+  model.cameras.push_back({"SIMPLE_RADIAL", 64, 48, {60, 32, 24, 0.3}});
+  model.images[1].camera_idx = 1;
+  model.WriteModel(temp_dir.Path());
+  const auto cameras = UndistortedCameras(ReadModel(temp_dir.Path()));
+  ASSERT_EQ(cameras.size(), 2);
+  EXPECT_EQ(cameras[0].width, 64);
+  EXPECT_NE(cameras[1].width, 64);
+  EXPECT_NEAR(cameras[1].cx, 0.5 * cameras[1].width, 1e-9);
+}
+
+}  // namespace
+}  // namespace structnerf
