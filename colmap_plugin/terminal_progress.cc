@@ -186,7 +186,7 @@ void TerminalProgress::BeginStage(const std::string& stage) {
   last_update_ = ProgressUpdate();
   last_update_.stage = stage;
   stage_start_ = options_.seconds();
-  last_drawn_ = stage_start_ - kSecondsBetweenDraws;
+  last_drawn_ = stage_start_ - 2 * kSecondsBetweenDraws;
   next_fraction_ = kFractionBetweenLines;
   if (!options_.is_terminal) {
     *stream_ << stage << std::endl;
