@@ -19,12 +19,12 @@ struct Station {
 
 // Along the south side of the table, then up its east side. About 4.5 m.
 const std::array<Station, 6> kStations = {{
-    {{0.75, 1.05, 1.45}, {2.7, 3.3, 0.85}},
-    {{1.35, 0.70, 1.50}, {2.8, 3.2, 0.85}},
-    {{2.25, 0.55, 1.52}, {2.8, 3.2, 0.85}},
-    {{3.20, 0.60, 1.50}, {2.5, 3.2, 0.85}},
-    {{4.10, 1.05, 1.46}, {1.9, 3.0, 0.80}},
-    {{4.40, 1.85, 1.42}, {1.0, 2.9, 0.80}},
+    {{0.75, 1.05, 1.45}, {2.7, 3.3, 1.0}},
+    {{1.35, 0.70, 1.50}, {2.8, 3.2, 1.0}},
+    {{2.25, 0.55, 1.52}, {2.8, 3.2, 1.0}},
+    {{3.20, 0.60, 1.50}, {2.5, 3.2, 1.0}},
+    {{4.10, 1.05, 1.46}, {1.9, 3.0, 0.95}},
+    {{4.40, 1.85, 1.42}, {1.0, 2.9, 0.95}},
 }};
 
 Vector3d CatmullRom(const Vector3d& before,
@@ -81,7 +81,7 @@ std::vector<CameraPose> WalkThroughRoom(const int num_views,
   for (int i = 0; i < num_views; ++i) {
     Station station = StationAt(i / (num_views - 1.0));
     if (turn_away_at_end && i >= num_views - 2) {
-      station.target = station.center + Vector3d(-0.75, -1.6, -0.25);
+      station.target = Vector3d(0.6, 0.2, 1.15);
     }
     const Vector3d shift = kPositionSigma * normal_vector();
     const Vector3d turn = kAngleSigma * normal_vector();

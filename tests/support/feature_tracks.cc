@@ -1,8 +1,8 @@
 #include "tests/support/feature_tracks.h"
 
 #include "tests/support/corner_detector.h"
+#include "tests/support/image_geometry.h"
 #include "tests/support/parallel_for.h"
-#include "tests/support/point_triangulation.h"
 #include "tests/support/room_model.h"
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace structnerf::room {
 namespace {
 
 // Well above what the sensor's noise reaches on a blank surface.
-constexpr double kMinResponse = 7;         // squared grey levels per pixel
+constexpr double kMinResponse = 5;         // squared grey levels per pixel
 constexpr int kCornerRadius = 2;           // pixels
 constexpr double kMatchRadius = 1.5;       // pixels
 constexpr double kFlatRadius = 2;          // pixels
@@ -25,16 +25,6 @@ constexpr double kMaxViewAngle = 0.7;  // radians, between two sights
 constexpr double kMinSlope = 0.25;     // cosine to the surface's normal
 constexpr double kMinTriangulationAngle = 0.03;  // radians
 constexpr double kOcclusionTolerance = 0.005;    // metres
-
-bool CastAt(const SyntheticRoom& room,
-            const SyntheticImage& image,
-            const Eigen::Vector2d& xy,
-            Hit* hit) {
-  const Ray ray{CameraCenter(image),
-                image.cam_from_world_rotation.transpose() *
-                    room.cameras[image.camera_idx].Unproject(xy)};
-  return room.model->Caster().Cast(ray, hit);
-}
 
 Eigen::Vector3d HitPosition(const RoomModel& model, const Hit& hit) {
   const Primitive& primitive = model.Caster().Primitives()[hit.primitive_idx];
@@ -50,7 +40,8 @@ bool MakeFeature(const SyntheticRoom& room,
   const SyntheticImage& image = room.images[image_idx];
   const RoomModel& model = *room.model;
   Hit hit;
-  if (!CastAt(room, image, xy, &hit) || !model.IsMatchable(hit)) {
+  if (!model.Caster().Cast(RayThrough(room, image, xy), &hit) ||
+      !model.IsMatchable(hit)) {
     return false;
   }
   const Eigen::Vector3d center = CameraCenter(image);
@@ -63,7 +54,8 @@ bool MakeFeature(const SyntheticRoom& room,
     const Eigen::Vector2d offset(std::cos(M_PI * angle),
                                  std::sin(M_PI * angle));
     Hit neighbor;
-    if (!CastAt(room, image, xy + kFlatRadius * offset, &neighbor) ||
+    if (!model.Caster().Cast(RayThrough(room, image, xy + kFlatRadius * offset),
+                             &neighbor) ||
         std::abs(feature->normal.dot(HitPosition(model, neighbor) -
                                      feature->xyz)) > max_step) {
       return false;

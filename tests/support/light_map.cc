@@ -11,9 +11,9 @@
 namespace structnerf::room {
 namespace {
 
-constexpr double kVertexDistance = 0.06;  // metres
-constexpr int kLightSamples = 6;          // per side of a light
-constexpr int kNumAmbientRays = 48;
+constexpr double kVertexDistance = 0.09;  // metres
+constexpr int kLightSamples = 5;          // per side of a light
+constexpr int kNumAmbientRays = 40;
 constexpr double kAmbientReach = 0.9;  // metres
 constexpr double kOffset = 1e-4;       // metres, off the surface
 

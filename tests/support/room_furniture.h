@@ -32,10 +32,10 @@ void AddSideboard(uint32_t seed, bool is_dark_and_glossy, RoomBuilder* builder);
 // Objects "poster_north", "poster_east" and "poster_west".
 void AddPosters(uint32_t seed, RoomBuilder* builder);
 
-// Objects "armchair" and "crate", or in place of the first "blank_box", which
+// Objects "armchair" and "crate", or in place of the first "blank_board", which
 // has the colour of the wall behind.
 void AddArmchair(uint32_t seed, RoomBuilder* builder);
-void AddBlankBox(RoomBuilder* builder);
+void AddBlankBoard(RoomBuilder* builder);
 void AddCrate(uint32_t seed, RoomBuilder* builder);
 
 // Object "lamp", above the table.

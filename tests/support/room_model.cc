@@ -17,7 +17,7 @@ RoomBuilder Furnish(const RoomFault fault, const uint32_t seed) {
   AddSideboard(seed + 40000, fault == RoomFault::kDarkGlossyFront, &builder);
   AddPosters(seed + 50000, &builder);
   if (fault == RoomFault::kObjectAndWallOneSegment) {
-    AddBlankBox(&builder);
+    AddBlankBoard(&builder);
   } else {
     AddArmchair(seed + 60000, &builder);
   }
@@ -35,7 +35,7 @@ std::string FaultyObject(const RoomFault fault) {
     case RoomFault::kChairSlats:
       return "chair";
     case RoomFault::kObjectAndWallOneSegment:
-      return "blank_box";
+      return "blank_board";
     case RoomFault::kWrongPointCluster:
       return "poster_north";
     case RoomFault::kNone:

@@ -13,6 +13,10 @@ const Color kWhite(0.80, 0.80, 0.78);
 
 void AddShell(const uint32_t seed, RoomBuilder* builder) {
   const Vector3d up = Vector3d::UnitZ();
+  // The shell's surfaces reach behind each other so that no ray slips through.
+  const double length = kRoomLength + 0.02;
+  const double width = kRoomWidth + 0.02;
+  const double height = kRoomHeight + 0.02;
   const double middle_x = 0.5 * kRoomLength;
   const double middle_y = 0.5 * kRoomWidth;
   const double middle_z = 0.5 * kRoomHeight;
@@ -21,8 +25,8 @@ void AddShell(const uint32_t seed, RoomBuilder* builder) {
   builder->AddBoard(Vector3d(middle_x, middle_y, 0),
                     up,
                     Vector3d::UnitY(),
-                    kRoomLength,
-                    kRoomWidth,
+                    length,
+                    width,
                     0,
                     PatternedMaterial(Pattern::kPlanks,
                                       Color(0.44, 0.31, 0.20),
@@ -33,40 +37,40 @@ void AddShell(const uint32_t seed, RoomBuilder* builder) {
   builder->AddBoard(Vector3d(middle_x, middle_y, kRoomHeight),
                     -up,
                     Vector3d::UnitY(),
-                    kRoomLength,
-                    kRoomWidth,
+                    length,
+                    width,
                     0,
                     PlainMaterial(kWhite));
   builder->BeginObject("wall_north", 0, 0, 0);
   builder->AddBoard(Vector3d(middle_x, kRoomWidth, middle_z),
                     -Vector3d::UnitY(),
                     up,
-                    kRoomLength,
-                    kRoomHeight,
+                    length,
+                    height,
                     0,
                     PlainMaterial(kWallColor));
   builder->BeginObject("wall_south", 0, 0, 0);
   builder->AddBoard(Vector3d(middle_x, 0, middle_z),
                     Vector3d::UnitY(),
                     up,
-                    kRoomLength,
-                    kRoomHeight,
+                    length,
+                    height,
                     0,
                     PlainMaterial(kWallColor));
   builder->BeginObject("wall_west", 0, 0, 0);
   builder->AddBoard(Vector3d(0, middle_y, middle_z),
                     Vector3d::UnitX(),
                     up,
-                    kRoomWidth,
-                    kRoomHeight,
+                    width,
+                    height,
                     0,
                     PlainMaterial(kWallColor));
   builder->BeginObject("wall_east", 0, 0, 0);
   builder->AddBoard(Vector3d(kRoomLength, middle_y, middle_z),
                     -Vector3d::UnitX(),
                     up,
-                    kRoomWidth,
-                    kRoomHeight,
+                    width,
+                    height,
                     0,
                     PlainMaterial(Color(0.46, 0.55, 0.58)));
 
@@ -144,11 +148,13 @@ void AddPosters(const uint32_t seed, RoomBuilder* builder) {
                                       seed + 90));
 }
 
-void AddBlankBox(RoomBuilder* builder) {
-  builder->BeginObject("blank_box", 4.15, 3.3, 0);
-  builder->AddBox(Vector3d(-0.28, -0.18, 0),
-                  Vector3d(0.28, 0.18, 1.15),
-                  PlainMaterial(kWallColor));
+void AddBlankBoard(RoomBuilder* builder) {
+  builder->BeginObject("blank_board", 4.05, 3.6, 0);
+  // It gets more light than the wall behind and reflects as much less, so that
+  // both look the same.
+  builder->AddBox(Vector3d(-0.38, -0.01, 0),
+                  Vector3d(0.38, 0.01, 1.35),
+                  PlainMaterial(0.80 * kWallColor));
 }
 
 void AddLamp(RoomBuilder* builder) {

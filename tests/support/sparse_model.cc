@@ -1,6 +1,7 @@
 #include "tests/support/sparse_model.h"
 
 #include "tests/support/feature_tracks.h"
+#include "tests/support/image_geometry.h"
 #include "tests/support/point_triangulation.h"
 #include "tests/support/room_model.h"
 
@@ -155,9 +156,15 @@ class SparseModelBuilder {
       const double error = uniform(random_);
       const double factor = std::exp(std::copysign(0.15, error) + 0.35 * error);
       const int num_more = uniform(random_) < 0 ? 1 : 2;
-      const RoomHit hit =
-          CastIntoRoom(room_, first.image_idx, ObservationOf(room_, first).xy);
-      AddWrongPoint(first, hit.xyz, factor, num_more);
+      const Ray ray = RayThrough(
+          room_, room_.images[first.image_idx], ObservationOf(room_, first).xy);
+      Hit hit;
+      if (room_.model->Caster().Cast(ray, &hit)) {
+        AddWrongPoint(first,
+                      ray.origin + hit.surface.t * ray.direction,
+                      factor,
+                      num_more);
+      }
     }
   }
 

@@ -112,6 +112,9 @@ Eigen::Vector3d SyntheticCamera::Unproject(
   for (int i = 0; i < kMaxIterations; ++i) {
     const Eigen::Vector2d residual = Distort(*this, uv) - target;
     if (residual.norm() < kTolerance) {
+      if (uv.dot(target) < 0) {
+        break;  // on the other side, where the distortion has turned around
+      }
       return uv.homogeneous();
     }
     const double h = kStep * std::max(1.0, uv.norm());

@@ -45,8 +45,8 @@ std::string ImageName(const SyntheticRoomOptions& options,
 }
 
 std::vector<SyntheticImage> MakeImages(const SyntheticRoomOptions& options) {
-  constexpr double kMeanExposure = 1.25;
-  constexpr double kExposureJump = 1.7;
+  constexpr double kMeanExposure = 1.12;
+  constexpr double kExposureJump = 1.6;
   const std::vector<room::CameraPose> poses =
       room::WalkThroughRoom(options.num_views,
                             options.fault == RoomFault::kBlankWallTwoViews,

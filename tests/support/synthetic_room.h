@@ -27,9 +27,9 @@ enum class RoomFault {
   kBlankWallTwoViews,
   // The chair's back and seat are thin slats.
   kChairSlats,
-  // A blank box in the wall's colour stands half a metre in front of the wall.
+  // A blank board that looks like the wall stands 40 cm in front of it.
   kObjectAndWallOneSegment,
-  // The second half of the views is exposed 1.7 times longer.
+  // The second half of the views is exposed 1.6 times longer.
   kExposureJump,
   // All sparse points of a poster agree on a depth that is a fifth too small.
   kWrongPointCluster,

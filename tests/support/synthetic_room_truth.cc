@@ -1,3 +1,4 @@
+#include "tests/support/image_geometry.h"
 #include "tests/support/parallel_for.h"
 #include "tests/support/room_model.h"
 #include "tests/support/synthetic_room.h"
@@ -8,21 +9,18 @@
 namespace structnerf {
 namespace {
 
-// A ray through an image point with t = z-depth in metres.
+// A ray through an image point, in the room's frame, with t = z-depth in
+// metres.
 room::Ray RayInRoom(const SyntheticRoom& room,
                     const SyntheticImage& image,
                     const Eigen::Vector2d& image_point) {
   const SyntheticRoomOptions& options = room.options;
   const Eigen::Matrix3d room_from_world =
       options.world_rotation.toRotationMatrix().transpose();
-  const Eigen::Matrix3d world_from_cam =
-      image.cam_from_world_rotation.transpose();
-  const Eigen::Vector3d center =
-      -world_from_cam * image.cam_from_world_translation;
-  return {room_from_world * (center - options.world_translation) /
+  const room::Ray ray = room::RayThrough(room, image, image_point);
+  return {room_from_world * (ray.origin - options.world_translation) /
               options.world_scale,
-          room_from_world * world_from_cam *
-              room.cameras[image.camera_idx].Unproject(image_point)};
+          room_from_world * ray.direction};
 }
 
 }  // namespace
