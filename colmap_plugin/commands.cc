@@ -85,7 +85,12 @@ bool ParseDenseCommand(const std::vector<std::string>& raw_args,
       ExpandCommandLine(raw_args, kProjectKeys, kFlags);
   StructNerfOptions& options = command->options;
   options.quality = FindOption(args, "StructNeRF.quality", options.quality);
-  options.reconstruction = QualityPreset(options.quality);
+  try {
+    options.reconstruction = QualityPreset(options.quality);
+  } catch (const std::invalid_argument& error) {
+    throw std::runtime_error(std::string("The option --StructNeRF.") +
+                             error.what() + ".");
+  }
   const std::vector<OptionEntry> table = MakeOptionTable(&options);
 
   colmap::OptionManager manager;
@@ -121,7 +126,7 @@ bool ParseDenseCommand(const std::vector<std::string>& raw_args,
     return false;
   }
   options.fusion = *manager.stereo_fusion;
-  CheckOptions(table, options);
+  CheckOptions(options);
   if (command->print_options) {
     for (const OptionEntry& entry : table) {
       std::cout << OptionText(entry) << std::endl;

@@ -6,8 +6,6 @@
 namespace structnerf {
 namespace {
 
-constexpr double kMax = std::numeric_limits<int>::max();
-
 std::vector<OptionEntry> FieldEntries(FieldOptions* field) {
   return {{"StructNeRF.num_levels",
            &field->num_levels,
@@ -17,18 +15,18 @@ std::vector<OptionEntry> FieldEntries(FieldOptions* field) {
           {"StructNeRF.log2_table_size",
            &field->log2_table_size,
            "Binary logarithm of the entries of a level",
-           8,
+           10,
            24},
           {"StructNeRF.min_resolution",
            &field->min_resolution,
            "Cells along the scene's longest side, coarsest level",
            2,
-           kMax},
+           1024},
           {"StructNeRF.max_resolution",
            &field->max_resolution,
            "Cells along the scene's longest side, finest level",
            2,
-           kMax},
+           65536},
           {"StructNeRF.hidden_width",
            &field->hidden_width,
            "Width of the hidden layers {16, 32, 48, 64}",
@@ -40,26 +38,31 @@ std::vector<OptionEntry> SamplingEntries(SamplingOptions* sampling) {
   return {{"StructNeRF.num_bins",
            &sampling->num_bins,
            "Bins of cached density along a ray",
-           1,
-           kMax},
+           8,
+           256},
           {"StructNeRF.num_samples",
            &sampling->num_samples,
            "Samples of the field along a ray",
            1,
-           kMax},
+           64},
           {"StructNeRF.cache_resolution",
            &sampling->cache_resolution,
            "Cells of the density cache along the scene's longest side",
-           1,
-           kMax},
+           8,
+           512},
           {"StructNeRF.cache_interval",
            &sampling->cache_interval,
            "Steps between refreshes of the density cache",
            1,
-           kMax},
+           1000000},
           {"StructNeRF.cache_decay",
            &sampling->cache_decay,
-           "Factor on cached density at each refresh",
+           "How slowly the density cache forgets",
+           0,
+           0.999},
+          {"StructNeRF.uniform_share",
+           &sampling->uniform_share,
+           "Share of the samples that is spread evenly along the ray",
            0,
            1}};
 }
@@ -68,11 +71,13 @@ std::vector<OptionEntry> LossEntries(LossOptions* loss) {
   return {{"StructNeRF.color_weight",
            &loss->color_weight,
            "Weight of the colour loss",
-           0},
+           0,
+           1e6},
           {"StructNeRF.patch_weight",
            &loss->patch_weight,
            "Weight of the patch photometric loss (paper: 0.025)",
-           0},
+           0,
+           1e6},
           {"StructNeRF.patch_ssim_share",
            &loss->patch_ssim_share,
            "Share of SSIM in it, the rest is L1 (paper: 0.85)",
@@ -81,37 +86,39 @@ std::vector<OptionEntry> LossEntries(LossOptions* loss) {
           {"StructNeRF.patch_radius",
            &loss->patch_radius,
            "Taps on either side of a patch's centre (paper: 1)",
-           1,
-           kMax},
+           0,
+           3},
           {"StructNeRF.patch_dilation",
            &loss->patch_dilation,
            "Pixels between taps (paper: 2)",
            1,
-           kMax},
+           16},
           {"StructNeRF.num_sources",
            &loss->num_sources,
            "Source views of each view (paper: 4)",
            1,
-           kMax},
+           32},
           {"StructNeRF.num_best_sources",
            &loss->num_best_sources,
            "Source views that count at a pixel",
            1,
-           kMax},
+           32},
           {"StructNeRF.planar_weight",
            &loss->planar_weight,
            "Weight of the planar loss (paper: 0.025)",
-           0},
+           0,
+           1e6},
           {"StructNeRF.planar_min_area",
            &loss->planar_min_area,
            "Pixels of the full image from which a superpixel counts as planar "
            "(paper: 1000)",
-           1,
-           kMax},
+           4,
+           1 << 30},
           {"StructNeRF.sparse_weight",
            &loss->sparse_weight,
            "Weight of the depth of sparse points (paper: 0.05)",
-           0},
+           0,
+           1e6},
           {"StructNeRF.sparse_fraction",
            &loss->sparse_fraction,
            "Share of the training in which it is used (paper: 0.5)",
@@ -120,7 +127,8 @@ std::vector<OptionEntry> LossEntries(LossOptions* loss) {
           {"StructNeRF.prior_weight",
            &loss->prior_weight,
            "Initial weight of depth interpolated from sparse points",
-           0},
+           0,
+           1e6},
           {"StructNeRF.prior_fraction",
            &loss->prior_fraction,
            "Share of the training after which it has faded out",
@@ -130,29 +138,35 @@ std::vector<OptionEntry> LossEntries(LossOptions* loss) {
 
 std::vector<OptionEntry> TrainingEntries(TrainingOptions* training) {
   return {
-      {"StructNeRF.num_steps", &training->num_steps, "Training steps", 1, kMax},
+      {"StructNeRF.num_steps",
+       &training->num_steps,
+       "Training steps",
+       1,
+       100000000},
       {"StructNeRF.rays_per_step",
        &training->rays_per_step,
        "Rays per step",
-       1,
-       kMax},
+       32,
+       1 << 20},
       {"StructNeRF.max_image_size",
        &training->max_image_size,
        "Longest side in pixels of the images that are trained on",
        16,
-       kMax},
+       1 << 15},
       {"StructNeRF.grid_learning_rate",
        &training->grid_learning_rate,
        "Peak learning rate of the hash grid",
-       0},
+       0,
+       1e3},
       {"StructNeRF.network_learning_rate",
        &training->network_learning_rate,
        "Peak learning rate of the networks",
-       0},
+       0,
+       1e3},
       {"StructNeRF.final_learning_rate_factor",
        &training->final_learning_rate_factor,
        "Final learning rate divided by the peak",
-       0,
+       1e-6,
        1},
       {"StructNeRF.coarse_to_fine_fraction",
        &training->coarse_to_fine_fraction,
@@ -163,13 +177,11 @@ std::vector<OptionEntry> TrainingEntries(TrainingOptions* training) {
        &training->test_every,
        "Keep every how many-th view out of training to measure PSNR; 0 = none",
        0,
-       kMax},
+       1 << 30},
       {"StructNeRF.num_threads",
        &training->num_threads,
-       "Threads; -1 = all cores",
-       -1,
-       kMax},
-      {"StructNeRF.seed", &training->seed, "Seed of the training", 0, kMax}};
+       "Threads; -1 = all cores"},
+      {"StructNeRF.seed", &training->seed, "Seed of the training"}};
 }
 
 std::vector<OptionEntry> ExtractionEntries(ExtractionOptions* extraction) {
@@ -177,20 +189,23 @@ std::vector<OptionEntry> ExtractionEntries(ExtractionOptions* extraction) {
            &extraction->max_relative_std,
            "Largest deviation of depth along a ray, relative to it, of a pixel "
            "that is given a depth",
-           0},
+           0,
+           1e6},
           {"StructNeRF.max_relative_depth_error",
            &extraction->max_relative_depth_error,
            "Largest relative depth difference of a confirming view",
-           0},
+           0,
+           1},
           {"StructNeRF.max_reprojection_error",
            &extraction->max_reprojection_error,
            "Largest reprojection error in pixels of a confirming view",
-           0},
+           0,
+           1e6},
           {"StructNeRF.min_num_consistent",
            &extraction->min_num_consistent,
            "Views that must confirm a pixel of the geometric maps",
-           0,
-           kMax}};
+           1,
+           1000}};
 }
 
 std::string NumberText(const double number) {
@@ -210,24 +225,14 @@ std::string ValueText(const OptionValue& value) {
   return std::get<std::string>(value);
 }
 
-void CheckRange(const OptionEntry& entry) {
-  double number = 0;
-  if (int* const* integer = std::get_if<int*>(&entry.value)) {
-    number = **integer;
-  } else if (double* const* real = std::get_if<double*>(&entry.value)) {
-    number = **real;
-  } else {
-    return;
+// e.g. "Training steps [1, 1e+08]".
+std::string HelpText(const OptionEntry& entry) {
+  if (entry.min_value == std::numeric_limits<double>::lowest() ||
+      entry.max_value == std::numeric_limits<double>::max()) {
+    return entry.help;
   }
-  if (number >= entry.min_value && number <= entry.max_value) {
-    return;  // NaN is in no range
-  }
-  std::string range = "at least " + NumberText(entry.min_value);
-  if (entry.max_value < kMax) {
-    range += " and at most " + NumberText(entry.max_value);
-  }
-  throw std::runtime_error("The option --" + entry.name + " must be " + range +
-                           ", but is " + ValueText(entry.Value()) + ".");
+  return entry.help + " [" + NumberText(entry.min_value) + ", " +
+         NumberText(entry.max_value) + "]";
 }
 
 }  // namespace
@@ -244,8 +249,7 @@ std::vector<OptionEntry> MakeOptionTable(StructNerfOptions* options) {
        "{low, medium, high, extreme}; sets the defaults of the options below"},
       {"StructNeRF.max_memory_gb",
        &options->max_memory_gb,
-       "Memory to stay within; -1 = three quarters of the machine's",
-       -1},
+       "Memory to stay within; -1 = three quarters of the machine's"},
       {"StructNeRF.input_type",
        &options->input_type,
        "Maps that are fused {geometric, photometric}; "
@@ -266,16 +270,16 @@ void AddOptions(const std::vector<OptionEntry>& table,
   for (const OptionEntry& entry : table) {
     std::visit(
         [&](auto* pointer) {
-          manager->AddDefaultOption(entry.name, pointer, entry.help);
+          manager->AddDefaultOption(entry.name, pointer, HelpText(entry));
         },
         entry.value);
   }
 }
 
-void CheckOptions(const std::vector<OptionEntry>& table,
-                  const StructNerfOptions& options) {
-  for (const OptionEntry& entry : table) {
-    CheckRange(entry);
+void CheckOptions(const StructNerfOptions& options) {
+  std::string error;
+  if (!options.reconstruction.Check(&error)) {
+    throw std::runtime_error("The option --StructNeRF." + error + ".");
   }
   if (options.input_type != "geometric" &&
       options.input_type != "photometric") {
@@ -283,10 +287,6 @@ void CheckOptions(const std::vector<OptionEntry>& table,
         "The option --StructNeRF.input_type must be geometric or photometric, "
         "but is " +
         options.input_type + ".");
-  }
-  std::string error;
-  if (!options.reconstruction.Check(&error)) {
-    throw std::runtime_error(error);
   }
 }
 

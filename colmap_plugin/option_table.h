@@ -20,7 +20,8 @@ struct OptionEntry {
   std::variant<bool*, int*, double*, std::string*> value;
   std::string help;
 
-  // Inclusive; for int and double only.
+  // Inclusive, for int and double only; those of
+  // ReconstructionOptions::Check().
   double min_value = std::numeric_limits<double>::lowest();
   double max_value = std::numeric_limits<double>::max();
 
@@ -35,10 +36,8 @@ std::vector<OptionEntry> MakeOptionTable(StructNerfOptions* options);
 void AddOptions(const std::vector<OptionEntry>& table,
                 colmap::OptionManager* manager);
 
-// Throws std::runtime_error naming the first option that is out of its range,
-// or what ReconstructionOptions::Check() finds wrong.
-void CheckOptions(const std::vector<OptionEntry>& table,
-                  const StructNerfOptions& options);
+// Throws std::runtime_error naming the first option that is out of its range.
+void CheckOptions(const StructNerfOptions& options);
 
 // "name = value", as in a project file.
 std::string OptionText(const OptionEntry& entry);
