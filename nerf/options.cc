@@ -62,7 +62,8 @@ bool SamplingOptions::Check(std::string* error) const {
       .In("num_samples", num_samples, 1, kMaxRaySamples)
       .In("cache_resolution", cache_resolution, 8, 512)
       .In("cache_interval", cache_interval, 1, 1000000)
-      .In("cache_decay", cache_decay, 1e-3, 1.0)
+      .In("cache_decay", cache_decay, 0.0, 0.999)
+      .In("uniform_share", uniform_share, 0.0, 1.0)
       .Report(error);
 }
 

@@ -44,8 +44,15 @@ struct SamplingOptions {
   // Steps between refreshes of a part of the density cache.
   int cache_interval = 16;
 
-  // Factor on a cell's cached density at each refresh, in (0, 1].
-  double cache_decay = 0.95;
+  // How slowly a cell forgets a density that is no longer observed, in [0, 1):
+  // see DensityCache::Observe.
+  double cache_decay = 0.8;
+
+  // Share of the samples that is spread evenly along the ray, whatever the
+  // cache says. Few views need it large: a ray that only looks where it
+  // believes the surface to be never learns that it is farther away, and the
+  // scene collapses towards the cameras.
+  double uniform_share = 0.5;
 
   bool Check(std::string* error) const;
 };

@@ -162,6 +162,7 @@ void Reconstructor::Train(Progress* progress) {
                   impl_->options,
                   impl_->engine.get());
   impl_->summary = trainer.Run(progress);
+  impl_->engine->RebuildDensityCache();
 }
 
 DenseMaps Reconstructor::RenderView(const size_t view_idx,
@@ -200,6 +201,7 @@ void Reconstructor::SaveField(const std::string& path) const {
 void Reconstructor::LoadField(const std::string& path) {
   impl_->engine->SetParameters(
       ReadField(path, impl_->options.field, impl_->frame.extent));
+  impl_->engine->RebuildDensityCache();
 }
 
 }  // namespace structnerf

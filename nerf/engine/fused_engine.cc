@@ -80,6 +80,8 @@ class FusedEngine : public RenderEngine {
         pool_(options.num_threads) {
     sampling_.num_bins = options.sampling.num_bins;
     sampling_.num_samples = options.sampling.num_samples;
+    sampling_.uniform_share =
+        static_cast<float>(options.sampling.uniform_share);
     for (int i = 0; i < pool_.NumThreads(); ++i) {
       buffers_.push_back(
           std::make_unique<TileBuffers>(layout_, sampling_.num_samples));
@@ -118,11 +120,12 @@ class FusedEngine : public RenderEngine {
     LossValues losses = {};
     for (int tile = 0; tile < step.num_tiles; ++tile) {
       const size_t first = tile * TileSamples();
-      cache_.Raise(step_position_[0].data() + first,
-                   step_position_[1].data() + first,
-                   step_position_[2].data() + first,
-                   step_density_.data() + first,
-                   tile_num_samples_[tile]);
+      cache_.Observe(step_position_[0].data() + first,
+                     step_position_[1].data() + first,
+                     step_position_[2].data() + first,
+                     step_density_.data() + first,
+                     tile_num_samples_[tile],
+                     static_cast<float>(options_.sampling.cache_decay));
       for (size_t term = 0; term < losses.size(); ++term) {
         losses[term] += tile_losses_[tile][term];
       }

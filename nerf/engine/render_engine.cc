@@ -7,7 +7,7 @@ namespace {
 constexpr size_t kRebuildPoints = 4;
 
 // Decay that forgets what a cell was.
-constexpr float kForget = 1e-30f;
+constexpr float kForget = 0.0f;
 
 }  // namespace
 

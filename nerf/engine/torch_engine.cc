@@ -73,6 +73,10 @@ class TorchEngine : public RenderEngine {
                options.initial_density) {
     sampling_.num_bins = options.sampling.num_bins;
     sampling_.num_samples = options.sampling.num_samples;
+    sampling_.uniform_share =
+        static_cast<float>(options.sampling.uniform_share);
+    sampling_.uniform_share =
+        static_cast<float>(options.sampling.uniform_share);
     SetParameters(
         InitialParameters(layout_, options.initial_density, options.seed));
     for (Moments* moments : {&grid_moments_, &network_moments_}) {
@@ -109,11 +113,12 @@ class TorchEngine : public RenderEngine {
     }
     const RenderedBatch rendered = RenderBatch(batch, /*with_color=*/true);
     const std::vector<float> density = CopyValues(rendered.raw_density);
-    cache_.Raise(batch.positions[0].data(),
-                 batch.positions[1].data(),
-                 batch.positions[2].data(),
-                 density.data(),
-                 density.size());
+    cache_.Observe(batch.positions[0].data(),
+                   batch.positions[1].data(),
+                   batch.positions[2].data(),
+                   density.data(),
+                   density.size(),
+                   static_cast<float>(options_.sampling.cache_decay));
 
     // An objective judges the rays it drew last, so they are drawn again.
     LossValues losses = {};

@@ -7,17 +7,6 @@
 #include <numeric>
 
 namespace structnerf {
-namespace {
-
-uint8_t Quantize(const float log_density) {
-  const float level = (log_density - DensityCache::kMinLogDensity) *
-                          DensityCache::kLevelsPerUnit +
-                      0.5f;
-  return static_cast<uint8_t>(std::min(std::max(level, 0.0f), 255.0f));
-}
-
-}  // namespace
-
 DensityCache::DensityCache(const int resolution,
                            const Eigen::Vector3f& extent,
                            const float initial_density)
@@ -27,7 +16,10 @@ DensityCache::DensityCache(const int resolution,
         std::max(1, static_cast<int>(std::ceil(extent[axis] * resolution)));
     num_cells_ *= dimensions_[axis];
   }
-  cells_.assign(num_cells_ + 3, Quantize(std::log(initial_density)));
+  cells_.assign(num_cells_ + 3, 0);
+  for (size_t cell = 0; cell < num_cells_; ++cell) {
+    ObserveCell(cell, std::log(initial_density), 0.0f);
+  }
   // Near the golden section, consecutive visits spread evenly; a stride coprime
   // to the number of cells visits each once.
   stride_ = static_cast<size_t>(0.6180339887 * num_cells_) | 1;
@@ -57,32 +49,43 @@ void DensityCache::NextPoints(const size_t count,
 void DensityCache::Update(const float* log_density,
                           const size_t count,
                           const float decay) {
-  const float decay_levels = std::log(decay) * kLevelsPerUnit;
   for (size_t i = 0; i < count; ++i) {
-    const size_t cell = (first_visit_ + i) % num_cells_ * stride_ % num_cells_;
-    const float decayed = std::max(0.0f, cells_[cell] + decay_levels);
-    cells_[cell] =
-        std::max(static_cast<uint8_t>(decayed), Quantize(log_density[i]));
+    ObserveCell((first_visit_ + i) % num_cells_ * stride_ % num_cells_,
+                log_density[i],
+                decay);
   }
 }
 
-void DensityCache::Raise(const float* x,
-                         const float* y,
-                         const float* z,
-                         const float* log_density,
-                         const size_t count) {
+void DensityCache::Observe(const float* x,
+                           const float* y,
+                           const float* z,
+                           const float* log_density,
+                           const size_t count,
+                           const float decay) {
   const auto index = [&](const float position, const int axis) {
     return std::min(std::max(static_cast<int>(position * cells_per_unit_), 0),
                     dimensions_[axis] - 1);
   };
   for (size_t i = 0; i < count; ++i) {
-    const size_t cell =
-        index(x[i], 0) +
-        static_cast<size_t>(dimensions_[0]) *
-            (index(y[i], 1) +
-             static_cast<size_t>(dimensions_[1]) * index(z[i], 2));
-    cells_[cell] = std::max(cells_[cell], Quantize(log_density[i]));
+    ObserveCell(index(x[i], 0) +
+                    static_cast<size_t>(dimensions_[0]) *
+                        (index(y[i], 1) +
+                         static_cast<size_t>(dimensions_[1]) * index(z[i], 2)),
+                log_density[i],
+                decay);
   }
+}
+
+void DensityCache::ObserveCell(const size_t cell,
+                               const float log_density,
+                               const float decay) {
+  const float level = std::min(
+      std::max((log_density - kMinLogDensity) * kLevelsPerUnit, 0.0f), 255.0f);
+  const float old_level = cells_[cell];
+  // Rounded towards the new level, or a small difference would never close.
+  cells_[cell] = static_cast<uint8_t>(
+      level > old_level ? std::ceil(level)
+                        : std::floor(level + decay * (old_level - level)));
 }
 
 }  // namespace structnerf

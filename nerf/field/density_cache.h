@@ -41,18 +41,23 @@ class DensityCache {
   // round.
   void NextPoints(size_t count, float* x, float* y, float* z);
 
-  // Gives the answers: each of those cells becomes the larger of the density
-  // and `decay` times what it was.
+  // Gives the answers, see Observe.
   void Update(const float* log_density, size_t count, float decay);
 
-  // Cells that hold the given points become at least as dense as those.
-  void Raise(const float* x,
-             const float* y,
-             const float* z,
-             const float* log_density,
-             size_t count);
+  // Tells the cache the density at some points. A cell takes on a density that
+  // is larger than what it holds; towards a smaller one it moves by a share of
+  // 1 - decay of the way in log density, so that a thin surface that most
+  // points of the cell miss is not forgotten, but fog that has cleared is.
+  void Observe(const float* x,
+               const float* y,
+               const float* z,
+               const float* log_density,
+               size_t count,
+               float decay);
 
  private:
+  void ObserveCell(size_t cell, float log_density, float decay);
+
   float cells_per_unit_;
   int dimensions_[3];
   size_t num_cells_;

@@ -16,7 +16,7 @@ struct RaySamplingParameters {
 
   // Share of the samples that is spread evenly over the bins, whatever the
   // density, so that a surface the cache does not know of is found.
-  float uniform_share = 0.1f;
+  float uniform_share = 0.5f;
 };
 
 // Chooses the intervals of one tile's rays. Each ray is cut into bins of equal
