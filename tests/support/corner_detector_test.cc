@@ -44,7 +44,7 @@ TEST(DetectCorners, IgnoresNoise) {
   for (uint8_t& value : image.data) {
     value = static_cast<uint8_t>(noise(random));
   }
-  EXPECT_TRUE(DetectCorners(image, 5, 2).empty());
+  EXPECT_TRUE(DetectCorners(image, 4, 2).empty());
   EXPECT_FALSE(DetectCorners(image, 0.1, 2).empty());
 }
 

@@ -15,12 +15,12 @@ namespace structnerf::room {
 namespace {
 
 // Well above what the sensor's noise reaches on a blank surface.
-constexpr double kMinResponse = 5;         // squared grey levels per pixel
+constexpr double kMinResponse = 4;         // squared grey levels per pixel
 constexpr int kCornerRadius = 2;           // pixels
-constexpr double kMatchRadius = 1.5;       // pixels
+constexpr double kMatchRadius = 2;         // pixels
 constexpr double kFlatRadius = 2;          // pixels
 constexpr double kMaxRelativeStep = 0.01;  // off the plane, by distance
-constexpr double kMatchProbability = 0.85;
+constexpr double kMatchProbability = 0.9;
 constexpr double kMaxViewAngle = 0.7;  // radians, between two sights
 constexpr double kMinSlope = 0.25;     // cosine to the surface's normal
 constexpr double kMinTriangulationAngle = 0.03;  // radians
@@ -105,7 +105,7 @@ class FeatureGrid {
   // The nearest feature that belongs to no track yet, -1 if there is none.
   int FindFree(const Eigen::Vector2d& xy,
                const std::vector<Feature>& features) const {
-    constexpr int kReach = 2;
+    constexpr int kReach = 3;
     const int col = static_cast<int>(xy.x());
     const int row = static_cast<int>(xy.y());
     int best = -1;

@@ -35,9 +35,6 @@ struct SyntheticCamera {
   // Point on the plane z = 1 of the camera frame seen at an image point. Throws
   // std::domain_error if the distortion cannot be inverted there.
   Eigen::Vector3d Unproject(const Eigen::Vector2d& image_point) const;
-
-  // Pixels per unit of tangent at the image's centre.
-  double FocalLength() const { return params[0]; }
 };
 
 // Models that SyntheticCamera knows.

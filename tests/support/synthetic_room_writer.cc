@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <random>
 #include <stdexcept>
 
 #include <opencv2/imgcodecs.hpp>
@@ -149,27 +150,43 @@ void WritePixels(const SyntheticRoom& room,
   }
 }
 
+// Where a folder is written until it is complete: beside it.
+fs::path PartialFolder(const fs::path& target) {
+  std::random_device random;
+  return target.parent_path() / ("." + target.filename().string() + ".partial" +
+                                 std::to_string(random()));
+}
+
 }  // namespace
 
-void WriteSyntheticRoom(const SyntheticRoom& room, const std::string& folder) {
-  const fs::path root(folder);
+void CheckRoomFolder(const std::string& folder) {
   std::error_code error;
-  if (fs::exists(root, error) &&
-      (!fs::is_directory(root, error) || !fs::is_empty(root, error))) {
+  if (fs::exists(folder, error) &&
+      (!fs::is_directory(folder, error) || !fs::is_empty(folder, error))) {
     throw std::runtime_error("The folder " + folder +
                              " exists and is not empty; choose a new one.");
   }
-  const fs::path sparse = root / "sparse" / "0";
-  fs::create_directories(sparse, error);
-  if (error) {
-    throw std::runtime_error("Cannot create the folder " + sparse.string() +
-                             ": " + error.message() + ".");
-  }
-  WriteCameras(room, sparse / "cameras.txt");
-  WriteImages(room, sparse / "images.txt");
-  WritePoints(room, sparse / "points3D.txt");
-  for (size_t i = 0; i < room.images.size(); ++i) {
-    WritePixels(room, static_cast<int>(i), root);
+}
+
+void WriteSyntheticRoom(const SyntheticRoom& room, const std::string& folder) {
+  CheckRoomFolder(folder);
+  const fs::path target = fs::absolute(folder + "/").parent_path();
+  const fs::path partial = PartialFolder(target);
+  try {
+    const fs::path sparse = partial / "sparse" / "0";
+    fs::create_directories(sparse);
+    WriteCameras(room, sparse / "cameras.txt");
+    WriteImages(room, sparse / "images.txt");
+    WritePoints(room, sparse / "points3D.txt");
+    for (size_t i = 0; i < room.images.size(); ++i) {
+      WritePixels(room, static_cast<int>(i), partial);
+    }
+    fs::rename(partial, target);
+  } catch (const std::exception& error) {
+    std::error_code ignored;
+    fs::remove_all(partial, ignored);
+    throw std::runtime_error("Cannot write the folder " + folder + ": " +
+                             error.what());
   }
 }
 

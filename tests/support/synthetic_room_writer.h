@@ -15,8 +15,11 @@ namespace structnerf {
 //                            frame; 16-bit RGB = x, y, z from -1 to 1
 //   fault/<stem>.png         8-bit mask of what the room's fault is about; only
 //                            for faults that concern a surface
-// Creates the folder. Throws std::runtime_error if it exists and is not empty
-// or if a file cannot be written.
+// The folder appears when all is written. Throws std::runtime_error if it
+// exists and is not empty or if a file cannot be written.
 void WriteSyntheticRoom(const SyntheticRoom& room, const std::string& folder);
+
+// Throws what WriteSyntheticRoom would throw about the folder.
+void CheckRoomFolder(const std::string& folder);
 
 }  // namespace structnerf

@@ -176,7 +176,8 @@ TEST(SyntheticRoomWriter, LeavesAnExistingFolderAlone) {
             1);
   // An empty one will do.
   fs::create_directory(dir / "empty");
-  WriteSyntheticRoom(room, dir / "empty");
+  CheckRoomFolder(dir / "empty");
+  WriteSyntheticRoom(room, dir / "empty/");
   EXPECT_TRUE(fs::exists(dir / "empty/sparse/0/points3D.txt"));
 }
 

@@ -105,7 +105,9 @@ int Run(std::vector<std::string> arguments) {
   }
   const std::string folder = arguments[0];
   arguments.erase(arguments.begin());
-  const SyntheticRoom room = MakeSyntheticRoom(ParseOptions(arguments));
+  const SyntheticRoomOptions options = ParseOptions(arguments);
+  CheckRoomFolder(folder);
+  const SyntheticRoom room = MakeSyntheticRoom(options);
   WriteSyntheticRoom(room, folder);
   std::cout << "Wrote " << room.images.size() << " images and "
             << room.points.size() << " sparse points to " << folder
