@@ -75,8 +75,6 @@ class TorchEngine : public RenderEngine {
     sampling_.num_samples = options.sampling.num_samples;
     sampling_.uniform_share =
         static_cast<float>(options.sampling.uniform_share);
-    sampling_.uniform_share =
-        static_cast<float>(options.sampling.uniform_share);
     SetParameters(
         InitialParameters(layout_, options.initial_density, options.seed));
     for (Moments* moments : {&grid_moments_, &network_moments_}) {
