@@ -66,6 +66,14 @@ std::vector<std::string> ExpandCommandLine(
     const std::vector<std::string>& flags) {
   std::vector<std::string> given;
   for (size_t i = 1; i < args.size(); ++i) {
+    const bool is_option = StartsWith(args[i], "-");
+    const bool is_value = StartsWith(args[i - 1], "--") &&
+                          args[i - 1].find('=') == std::string::npos;
+    if (!is_option && !is_value) {
+      throw std::runtime_error("The argument \"" + args[i] +
+                               "\" belongs to no option; put values with "
+                               "spaces in quotes.");
+    }
     given.push_back(args[i]);
     const bool has_value =
         i + 1 < args.size() && !StartsWith(args[i + 1], "--");

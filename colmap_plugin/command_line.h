@@ -15,7 +15,7 @@ namespace structnerf {
 // - a flag in `flags` ("overwrite", ...) may stand without a value.
 //
 // `args[0]` is the program. Throws std::runtime_error if the project file
-// cannot be read.
+// cannot be read or an argument belongs to no option.
 std::vector<std::string> ExpandCommandLine(
     const std::vector<std::string>& args,
     const std::vector<std::string>& own_options,

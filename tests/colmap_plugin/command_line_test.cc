@@ -33,6 +33,21 @@ TEST(CommandLine, FlagsMayStandAlone) {
               ElementsAre("colmap", "--overwrite=0"));
 }
 
+TEST(CommandLine, NamesArgumentWithoutOption) {
+  for (const std::vector<std::string>& args :
+       {std::vector<std::string>{"colmap", "stray"},
+        {"colmap", "--image_path", "my", "stray"},
+        {"colmap", "--image_path=my", "stray"}}) {
+    try {
+      Expand(args);
+      FAIL();
+    } catch (const std::runtime_error& error) {
+      EXPECT_THAT(error.what(), HasSubstr("\"stray\""));
+    }
+  }
+  EXPECT_NO_THROW(Expand({"colmap", "--StructNeRF.num_threads", "-1"}));
+}
+
 class ProjectFileTest : public testing::Test {
  protected:
   ProjectFileTest() : path_(temp_dir_ / "project.ini") {}
