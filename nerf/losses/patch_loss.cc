@@ -40,10 +40,16 @@ struct Taps {
   V reference[kMaxTaps];
   V reference_mean;
   V reference_variance;  // times the number of taps
+  M is_complete;         // all inside the image and outside its mask
 };
 
-// Reads the patch of the view itself; pixels outside are clamped, which only
-// happens to rays whose patch leaves the image.
+// Where the patch of a pixel at coordinate i of `size` is centred: at the
+// pixel, or as near as it fits.
+HWY_INLINE int PatchCenter(const int i, const int size, const int reach) {
+  return std::max(std::min(i, size - 1 - reach), reach);
+}
+
+// Reads the patches of the views themselves around (col, row).
 HWY_INLINE void ReadReference(const uint16_t* grays,
                               const TrainingViews& views,
                               const int radius,
@@ -55,21 +61,28 @@ HWY_INLINE void ReadReference(const uint16_t* grays,
                               Taps* taps) {
   const D d;
   HWY_ALIGN float values[kMaxTaps][16] = {};
+  HWY_ALIGN float completeness[16] = {};
+  const int reach = radius * dilation;
   for (int ray = 0; ray < num_rays; ++ray) {
     const TrainingViews::Image& image = views.image(view_idx[ray]);
+    if (image.width <= 2 * reach || image.height <= 2 * reach) {
+      continue;
+    }
+    bool is_masked = false;
     int tap = 0;
-    for (int dy = -radius; dy <= radius; ++dy) {
-      for (int dx = -radius; dx <= radius; ++dx, ++tap) {
-        const int x =
-            std::min(std::max(col[ray] + dx * dilation, 0), image.width - 1);
-        const int y =
-            std::min(std::max(row[ray] + dy * dilation, 0), image.height - 1);
-        values[tap][ray] =
-            kInverseMaxGray *
-            grays[image.first_pixel + static_cast<size_t>(y) * image.width + x];
+    for (int dy = -reach; dy <= reach; dy += dilation) {
+      for (int dx = -reach; dx <= reach; dx += dilation, ++tap) {
+        const uint16_t gray =
+            grays[image.first_pixel +
+                  static_cast<size_t>(row[ray] + dy) * image.width + col[ray] +
+                  dx];
+        is_masked |= gray == TrainingViews::kMaskedGray;
+        values[tap][ray] = kInverseMaxGray * gray;
       }
     }
+    completeness[ray] = is_masked ? 0.0f : 1.0f;
   }
+  taps->is_complete = hn::Gt(hn::Load(d, completeness), hn::Zero(d));
   const int num_taps = (2 * radius + 1) * (2 * radius + 1);
   V sum = hn::Zero(d);
   for (int tap = 0; tap < num_taps; ++tap) {
@@ -298,6 +311,22 @@ void CompareSources(const PatchLoss::Warp* warps,
                     int* valid) {
   const D d;
   const DI di;
+  int center_col[16];
+  int center_row[16];
+  HWY_ALIGN float x[16] = {};
+  HWY_ALIGN float y[16] = {};
+  HWY_ALIGN float rho[16] = {};
+  HWY_ALIGN int first_warp[16] = {};
+  const int reach = options.radius * options.dilation;
+  for (int ray = 0; ray < num_rays; ++ray) {
+    const TrainingViews::Image& image = views.image(view_idx[ray]);
+    center_col[ray] = PatchCenter(col[ray], image.width, reach);
+    center_row[ray] = PatchCenter(row[ray], image.height, reach);
+    x[ray] = static_cast<float>(center_col[ray]) + 0.5f;
+    y[ray] = static_cast<float>(center_row[ray]) + 0.5f;
+    rho[ray] = 1.0f / depth[ray];
+    first_warp[ray] = view_idx[ray] * num_slots;
+  }
   Taps taps;
   ReadReference(views.Grays(),
                 views,
@@ -305,19 +334,9 @@ void CompareSources(const PatchLoss::Warp* warps,
                 options.dilation,
                 num_rays,
                 view_idx,
-                col,
-                row,
+                center_col,
+                center_row,
                 &taps);
-  HWY_ALIGN float x[16] = {};
-  HWY_ALIGN float y[16] = {};
-  HWY_ALIGN float rho[16] = {};
-  HWY_ALIGN int first_warp[16] = {};
-  for (int ray = 0; ray < num_rays; ++ray) {
-    x[ray] = static_cast<float>(col[ray]) + 0.5f;
-    y[ray] = static_cast<float>(row[ray]) + 0.5f;
-    rho[ray] = 1.0f / depth[ray];
-    first_warp[ray] = view_idx[ray] * num_slots;
-  }
   HWY_ALIGN float validity[16] = {};
   for (int slot = 0; slot < num_slots; ++slot) {
     const VI warp_index = hn::Add(hn::Load(di, first_warp), hn::Set(di, slot));
@@ -337,6 +356,7 @@ void CompareSources(const PatchLoss::Warp* warps,
                       &slot_valid);
     hn::StoreU(slot_loss, d, losses + slot * 16);
     hn::StoreU(slot_by_rho, d, by_rho + slot * 16);
+    slot_valid = hn::And(slot_valid, taps.is_complete);
     hn::Store(hn::IfThenElseZero(slot_valid, hn::Set(d, 1.0f)), d, validity);
     for (int ray = 0; ray < num_rays; ++ray) {
       valid[slot * 16 + ray] = validity[ray] > 0;

@@ -20,9 +20,10 @@ constexpr int kMaxPatchSide = 7;
 //   ssim_share * (1 - SSIM) / 2 + (1 - ssim_share) * mean |difference|
 // on grey values in [0, 1]. (The paper prints SSIM where (1 - SSIM) / 2 is
 // meant.) A source counts only where every tap falls in front of the camera,
-// inside the image and outside its mask. Of the sources that count, the
-// num_best with the smallest loss are averaged; the others are taken to be
-// occluded.
+// inside the image and outside its mask, and where no tap of the patch itself
+// is masked. At the border of its image the patch stays inside and is off
+// centre. Of the sources that count, the num_best with the smallest loss are
+// averaged; the others are taken to be occluded.
 class PatchLoss {
  public:
   struct Options {
