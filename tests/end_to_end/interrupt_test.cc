@@ -1,0 +1,94 @@
+// What Ctrl-C does to a run.
+
+#include "tests/colmap_plugin/tiny_model.h"
+#include "tests/end_to_end/run_program.h"
+#include "tests/support/temp_dir.h"
+
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace structnerf {
+namespace {
+
+using testing::HasSubstr;
+
+class InterruptTest : public testing::Test {
+ protected:
+  InterruptTest() {
+    const TinyModel model = MakeTinyModel(3);
+    model.WriteImages(temp_dir_ / "images");
+    model.WriteModel(temp_dir_ / "sparse");
+    options_.arguments = {"structnerf_dense",
+                          "--image_path",
+                          temp_dir_ / "images",
+                          "--input_path",
+                          temp_dir_ / "sparse",
+                          "--output_path",
+                          temp_dir_ / "dense",
+                          // No test waits for these.
+                          "--StructNeRF.num_steps=100000000"};
+  }
+
+  TempDir temp_dir_;
+  ProgramOptions options_;
+};
+
+TEST_F(InterruptTest, OnceStopsTrainingAndWritesMaps) {
+  Program program(options_);
+  ASSERT_TRUE(program.WaitForError("Training\n"));
+  program.Signal(SIGINT);
+  const ProgramResult result = program.Wait();
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.error, HasSubstr("Press Ctrl-C again"));
+  EXPECT_THAT(result.out, HasSubstr("stopped early"));
+  EXPECT_TRUE(std::filesystem::exists(
+      temp_dir_ / "dense/stereo/depth_maps/2.png.geometric.bin"));
+  std::ifstream report(temp_dir_ / "dense/structnerf/report.json");
+  EXPECT_EQ(nlohmann::json::parse(report)["training"]["stopped_early"], true);
+}
+
+TEST_F(InterruptTest, TwiceLeavesTheDiskAsItWas) {
+  const auto before = ReadFolder(temp_dir_.Path());
+  // The second one can come too late, when these few maps are written.
+  bool was_in_time = false;
+  for (int i = 0; i < 20 && !was_in_time; ++i) {
+    std::filesystem::remove_all(temp_dir_ / "dense");
+    Program program(options_);
+    ASSERT_TRUE(program.WaitForError("Training\n"));
+    program.Signal(SIGINT);
+    // Else the system would merge the two.
+    std::this_thread::sleep_for(std::chrono::microseconds(500));
+    program.Signal(SIGINT);
+    const ProgramResult result = program.Wait();
+    was_in_time = result.exit_code != 0;
+    if (was_in_time) {
+      EXPECT_EQ(result.exit_code, EXIT_FAILURE);
+      EXPECT_THAT(result.error, HasSubstr("nothing was written"));
+      EXPECT_EQ(ReadFolder(temp_dir_.Path()), before);
+    }
+  }
+  EXPECT_TRUE(was_in_time);
+}
+
+TEST_F(InterruptTest, TerminationLeavesTheDiskAsItWas) {
+  const auto before = ReadFolder(temp_dir_.Path());
+  Program program(options_);
+  ASSERT_TRUE(program.WaitForError("Training\n"));
+  EXPECT_NE(ReadFolder(temp_dir_.Path()), before);
+  program.Signal(SIGTERM);
+  const ProgramResult result = program.Wait();
+  EXPECT_EQ(result.exit_code, EXIT_FAILURE);
+  EXPECT_THAT(result.error, HasSubstr("nothing was written"));
+  EXPECT_EQ(ReadFolder(temp_dir_.Path()), before);
+}
+
+}  // namespace
+}  // namespace structnerf
