@@ -3,6 +3,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include <Eigen/LU>
+
 namespace structnerf {
 namespace {
 
@@ -27,9 +29,10 @@ void CheckView(const View& view) {
   Require(
       (view.cam_from_world_rotation * view.cam_from_world_rotation.transpose() -
        Eigen::Matrix3d::Identity())
-              .cwiseAbs()
-              .maxCoeff() < 1e-6,
-      prefix + "the rotation is not orthonormal");
+                  .cwiseAbs()
+                  .maxCoeff() < 1e-6 &&
+          view.cam_from_world_rotation.determinant() > 0,
+      prefix + "the matrix of the pose is not a rotation");
   const size_t num_pixels =
       static_cast<size_t>(view.image.width) * view.image.height;
   Require(view.image.width > 0 && view.image.height > 0 &&
@@ -69,6 +72,8 @@ void Scene::Check() const {
   for (size_t i = 0; i < points.size(); ++i) {
     const std::string prefix = "sparse point " + std::to_string(i) + ": ";
     Require(points[i].xyz.allFinite(), prefix + "the position is not finite");
+    Require(std::isfinite(points[i].error),
+            prefix + "the reprojection error is not finite");
     for (const Observation& observation : points[i].track) {
       Require(observation.view_idx >= 0 &&
                   observation.view_idx < static_cast<int>(views.size()),
