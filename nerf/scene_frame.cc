@@ -11,6 +11,13 @@ namespace {
 constexpr double kLowPercentile = 0.01;
 constexpr double kHighPercentile = 0.99;
 constexpr double kMargin = 0.15;
+
+// Wrong points lie far from the others. The box ends at the latest this many
+// times the spread of the middle half of the points beyond that half. The
+// spread is that of the axis where it is largest: in a flat scene what stands
+// in front of the wall is not wrong.
+constexpr double kMaxReach = 3;
+
 constexpr double kNearFactor = 0.3;
 
 // A box must not be flatter than this share of its longest side, or
@@ -60,12 +67,19 @@ SceneFrame ComputeSceneFrame(const Scene& scene) {
         "of the scene comes from them");
   }
 
-  Eigen::Vector3d box_min;
-  Eigen::Vector3d box_max;
-  for (int axis = 0; axis < 3; ++axis) {
-    box_min[axis] = Percentile(&coordinates[axis], kLowPercentile);
-    box_max[axis] = Percentile(&coordinates[axis], kHighPercentile);
-  }
+  const auto box_corner = [&](const double percentile) {
+    return Eigen::Vector3d(Percentile(&coordinates[0], percentile),
+                           Percentile(&coordinates[1], percentile),
+                           Percentile(&coordinates[2], percentile));
+  };
+  const Eigen::Vector3d middle_min = box_corner(0.25);
+  const Eigen::Vector3d middle_max = box_corner(0.75);
+  const Eigen::Vector3d reach = Eigen::Vector3d::Constant(
+      kMaxReach * (middle_max - middle_min).maxCoeff());
+  Eigen::Vector3d box_min =
+      box_corner(kLowPercentile).cwiseMax(middle_min - reach);
+  Eigen::Vector3d box_max =
+      box_corner(kHighPercentile).cwiseMin(middle_max + reach);
   for (const View& view : scene.views) {
     const Eigen::Vector3d center = view.ProjectionCenter();
     box_min = box_min.cwiseMin(center);
