@@ -17,6 +17,11 @@ constexpr double kAngleFalloff = 15.0 * M_PI / 180.0;
 // Score of a view that shares no point is below that of any that does.
 constexpr double kProximityScale = 1e-3;
 
+// Cameras closer together than this share of the typical depth stand in one
+// place: not even poses at geo-referenced offsets tell them apart for sure, and
+// they say nothing about depth.
+constexpr double kMinBaseline = 1e-3;
+
 // Cameras that look further apart than this do not fill up.
 constexpr double kMinCosAngle = 0.7;
 
@@ -90,12 +95,13 @@ std::vector<std::vector<int>> SelectSourceViews(const Scene& scene,
       const double cos_angle =
           scene.views[i].cam_from_world_rotation.row(2).dot(
               scene.views[j].cam_from_world_rotation.row(2));
-      if (i != j && distance > 0 && cos_angle > kMinCosAngle) {
+      if (distance < kMinBaseline * typical_depth) {
+        row[j] = 0;
+      } else if (cos_angle > kMinCosAngle) {
         row[j] +=
             kProximityScale * cos_angle / (1.0 + distance / typical_depth);
       }
     }
-    row[i] = 0;
     std::vector<int> order(num_views);
     std::iota(order.begin(), order.end(), 0);
     std::stable_sort(order.begin(), order.end(), [&](const int a, const int b) {
