@@ -1,0 +1,234 @@
+#include "nerf/options.h"
+
+#include <functional>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace structnerf {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// One value of one field.
+struct Setting {
+  std::string name;
+  std::function<void(ReconstructionOptions*)> apply;
+  std::string value;
+};
+
+#define SETTING(group, field, value)                                          \
+  Setting {                                                                   \
+#field, [](ReconstructionOptions * o) { o->group.field = value; }, #value \
+  }
+
+// Values at or just inside every limit.
+std::vector<Setting> AllowedSettings() {
+  return {
+      SETTING(field, num_levels, 1),
+      SETTING(field, num_levels, 16),
+      SETTING(field, log2_table_size, 10),
+      SETTING(field, log2_table_size, 24),
+      SETTING(field, min_resolution, 2),
+      SETTING(field, max_resolution, 65536),
+      SETTING(field, hidden_width, 16),
+      SETTING(field, hidden_width, 48),
+      SETTING(field, hidden_width, 64),
+      SETTING(sampling, num_bins, 8),
+      SETTING(sampling, num_bins, 256),
+      SETTING(sampling, num_samples, 1),
+      SETTING(sampling, num_samples, 64),
+      SETTING(sampling, cache_resolution, 8),
+      SETTING(sampling, cache_resolution, 512),
+      SETTING(sampling, cache_interval, 1),
+      SETTING(sampling, cache_decay, 0.0),
+      SETTING(sampling, cache_decay, 0.999),
+      SETTING(sampling, uniform_share, 0.0),
+      SETTING(sampling, uniform_share, 1.0),
+      SETTING(loss, color_weight, 0.0),
+      SETTING(loss, patch_weight, 0.0),
+      SETTING(loss, patch_ssim_share, 0.0),
+      SETTING(loss, patch_ssim_share, 1.0),
+      SETTING(loss, patch_radius, 0),
+      SETTING(loss, patch_radius, 3),
+      SETTING(loss, patch_dilation, 1),
+      SETTING(loss, patch_dilation, 16),
+      SETTING(loss, num_sources, 1),
+      SETTING(loss, num_sources, 32),
+      SETTING(loss, num_best_sources, 1),
+      SETTING(loss, num_best_sources, 32),
+      SETTING(loss, planar_weight, 0.0),
+      SETTING(loss, planar_min_area, 4),
+      SETTING(loss, sparse_weight, 0.0),
+      SETTING(loss, sparse_fraction, 0.0),
+      SETTING(loss, sparse_fraction, 1.0),
+      SETTING(loss, prior_weight, 0.0),
+      SETTING(loss, prior_fraction, 0.0),
+      SETTING(loss, prior_fraction, 1.0),
+      SETTING(training, num_steps, 1),
+      SETTING(training, rays_per_step, 32),
+      SETTING(training, max_image_size, 16),
+      SETTING(training, grid_learning_rate, 0.0),
+      SETTING(training, network_learning_rate, 0.0),
+      SETTING(training, final_learning_rate_factor, 1.0),
+      SETTING(training, coarse_to_fine_fraction, 0.0),
+      SETTING(training, coarse_to_fine_fraction, 1.0),
+      SETTING(training, test_every, 0),
+      SETTING(training, test_every, 2),
+      SETTING(training, num_threads, -1),
+      SETTING(training, num_threads, 1),
+      SETTING(training, seed, -1),
+      SETTING(extraction, max_relative_std, 0.0),
+      SETTING(extraction, max_relative_depth_error, 0.0),
+      SETTING(extraction, max_relative_depth_error, 1.0),
+      SETTING(extraction, max_reprojection_error, 0.0),
+      SETTING(extraction, min_num_consistent, 1),
+  };
+}
+
+// Values just outside every limit.
+std::vector<Setting> ForbiddenSettings() {
+  return {
+      SETTING(field, num_levels, 0),
+      SETTING(field, num_levels, 17),
+      SETTING(field, log2_table_size, 9),
+      SETTING(field, log2_table_size, 25),
+      SETTING(field, min_resolution, 1),
+      SETTING(field, max_resolution, 15),  // below min_resolution
+      SETTING(field, max_resolution, 65537),
+      SETTING(field, hidden_width, 0),
+      SETTING(field, hidden_width, 24),
+      SETTING(field, hidden_width, 80),
+      SETTING(sampling, num_bins, 7),
+      SETTING(sampling, num_bins, 257),
+      SETTING(sampling, num_samples, 0),
+      SETTING(sampling, num_samples, 65),
+      SETTING(sampling, cache_resolution, 7),
+      SETTING(sampling, cache_resolution, 513),
+      SETTING(sampling, cache_interval, 0),
+      SETTING(sampling, cache_decay, -0.1),
+      SETTING(sampling, cache_decay, 1.0),
+      SETTING(sampling, cache_decay, kNan),
+      SETTING(sampling, uniform_share, -0.1),
+      SETTING(sampling, uniform_share, 1.1),
+      SETTING(sampling, uniform_share, kNan),
+      SETTING(loss, color_weight, -1e-9),
+      SETTING(loss, color_weight, kInfinity),
+      SETTING(loss, patch_weight, kNan),
+      SETTING(loss, patch_ssim_share, 1.01),
+      SETTING(loss, patch_radius, -1),
+      SETTING(loss, patch_radius, 4),
+      SETTING(loss, patch_dilation, 0),
+      SETTING(loss, patch_dilation, 17),
+      SETTING(loss, num_sources, 0),
+      SETTING(loss, num_sources, 33),
+      SETTING(loss, num_best_sources, 0),
+      SETTING(loss, num_best_sources, 33),
+      SETTING(loss, planar_weight, -1.0),
+      SETTING(loss, planar_min_area, 3),
+      SETTING(loss, sparse_weight, -1.0),
+      SETTING(loss, sparse_fraction, 1.1),
+      SETTING(loss, sparse_fraction, kNan),
+      SETTING(loss, prior_weight, -1.0),
+      SETTING(loss, prior_fraction, -0.1),
+      SETTING(training, num_steps, 0),
+      SETTING(training, rays_per_step, 31),
+      SETTING(training, rays_per_step, (1 << 20) + 1),
+      SETTING(training, max_image_size, 15),
+      SETTING(training, grid_learning_rate, -1e-3),
+      SETTING(training, grid_learning_rate, kNan),
+      SETTING(training, network_learning_rate, kInfinity),
+      SETTING(training, final_learning_rate_factor, 0.0),
+      SETTING(training, final_learning_rate_factor, 1.5),
+      SETTING(training, coarse_to_fine_fraction, -0.1),
+      SETTING(training, coarse_to_fine_fraction, 1.1),
+      SETTING(training, test_every, -1),
+      SETTING(training, test_every, 1),
+      SETTING(training, num_threads, 0),
+      SETTING(training, num_threads, -2),
+      SETTING(extraction, max_relative_std, -0.1),
+      SETTING(extraction, max_relative_std, kNan),
+      SETTING(extraction, max_relative_depth_error, 1.1),
+      SETTING(extraction, max_reprojection_error, -1.0),
+      SETTING(extraction, min_num_consistent, 0),
+  };
+}
+
+#undef SETTING
+
+TEST(ReconstructionOptions, DefaultsAreAllowed) {
+  std::string error = "untouched";
+  EXPECT_TRUE(ReconstructionOptions().Check(&error));
+  EXPECT_EQ(error, "untouched");
+}
+
+TEST(ReconstructionOptions, LimitsAreAllowed) {
+  for (const Setting& setting : AllowedSettings()) {
+    SCOPED_TRACE(setting.name + " = " + setting.value);
+    ReconstructionOptions options;
+    setting.apply(&options);
+    std::string error;
+    EXPECT_TRUE(options.Check(&error)) << error;
+  }
+}
+
+TEST(ReconstructionOptions, ValuesOutsideAreNamed) {
+  for (const Setting& setting : ForbiddenSettings()) {
+    SCOPED_TRACE(setting.name + " = " + setting.value);
+    ReconstructionOptions options;
+    setting.apply(&options);
+    std::string error;
+    EXPECT_FALSE(options.Check(&error));
+    EXPECT_THAT(error, HasSubstr(setting.name));
+    // Asking again changes nothing.
+    std::string again;
+    EXPECT_FALSE(options.Check(&again));
+    EXPECT_EQ(again, error);
+  }
+}
+
+TEST(ReconstructionOptions, RangeAndValueAreInTheMessage) {
+  ReconstructionOptions options;
+  options.sampling.num_samples = 99;
+  std::string error;
+  EXPECT_FALSE(options.Check(&error));
+  EXPECT_THAT(error, HasSubstr("between 1 and 64"));
+  EXPECT_THAT(error, HasSubstr("99"));
+}
+
+TEST(QualityPreset, WordsGiveEverMoreWork) {
+  int last_num_steps = 0;
+  int last_image_size = 0;
+  for (const char* const quality : {"low", "medium", "high", "extreme"}) {
+    SCOPED_TRACE(quality);
+    const ReconstructionOptions options = QualityPreset(quality);
+    std::string error;
+    EXPECT_TRUE(options.Check(&error)) << error;
+    EXPECT_GT(options.training.num_steps, last_num_steps);
+    EXPECT_GE(options.training.max_image_size, last_image_size);
+    last_num_steps = options.training.num_steps;
+    last_image_size = options.training.max_image_size;
+  }
+}
+
+TEST(QualityPreset, OtherWordsAreRefusedWithAList) {
+  for (const char* const quality : {"", "Medium", "ultra"}) {
+    try {
+      QualityPreset(quality);
+      FAIL() << quality;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_THAT(error.what(), HasSubstr("low, medium, high or extreme"));
+      EXPECT_THAT(error.what(), HasSubstr("\"" + std::string(quality) + "\""));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace structnerf

@@ -1,0 +1,135 @@
+#include "nerf/scene.h"
+
+#include "tests/nerf/plane_scene.h"
+
+#include <functional>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace structnerf {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+Scene MakeValidScene() {
+  Scene scene;
+  const PinholeCamera camera = MakeCamera(40, 30, 50);
+  scene.views = {MakeView("hall/first.jpg", camera, {0, 0, 0}),
+                 MakeView("hall/second.jpg", camera, {1, 0, 0})};
+  for (View& view : scene.views) {
+    view.image = PlainImage(20, 15, 128);
+    view.mask.assign(300, 255);
+    view.segments.assign(300, -1);
+  }
+  scene.points = {MakePoint(scene, {0, 0, 4}, {0, 1})};
+  return scene;
+}
+
+// Expects Check() to refuse a valid scene after a change, naming the place and
+// the matter.
+void ExpectRefused(const std::function<void(Scene*)>& change,
+                   const std::string& place,
+                   const std::string& matter) {
+  SCOPED_TRACE(matter);
+  Scene scene = MakeValidScene();
+  change(&scene);
+  try {
+    scene.Check();
+    ADD_FAILURE() << "nothing was thrown";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_THAT(error.what(), HasSubstr(place));
+    EXPECT_THAT(error.what(), HasSubstr(matter));
+  }
+}
+
+TEST(Scene, ValidScenesPass) {
+  EXPECT_NO_THROW(MakeValidScene().Check());
+  Scene scene = MakeValidScene();
+  for (View& view : scene.views) {
+    view.mask.clear();
+    view.segments.clear();
+  }
+  scene.points[0].error = -1;
+  EXPECT_NO_THROW(scene.Check());
+  EXPECT_NO_THROW(Scene().Check());
+}
+
+TEST(Scene, WrongViewsAreNamed) {
+  const auto expect = [](const std::function<void(View*)>& change,
+                         const std::string& matter) {
+    ExpectRefused([&](Scene* scene) { change(&scene->views[1]); },
+                  "hall/second.jpg",
+                  matter);
+  };
+  expect([](View* v) { v->camera.width = 0; }, "camera has no size");
+  expect([](View* v) { v->camera.height = -3; }, "camera has no size");
+  expect([](View* v) { v->camera.fx = 0; }, "focal length");
+  expect([](View* v) { v->camera.fy = -50; }, "focal length");
+  expect([](View* v) { v->camera.fx = kNan; }, "focal length");
+  expect([](View* v) { v->camera.cy = kNan; }, "principal point");
+  expect([](View* v) { v->cam_from_world_rotation(1, 2) = kNan; }, "pose");
+  expect([](View* v) { v->cam_from_world_translation.x() = kNan; }, "pose");
+  expect([](View* v) { v->cam_from_world_rotation *= 1.001; }, "rotation");
+  expect([](View* v) { v->cam_from_world_rotation.col(0).setZero(); },
+         "rotation");
+  // A mirror keeps lengths and angles, but left becomes right.
+  expect([](View* v) { v->cam_from_world_rotation.row(0) *= -1; }, "rotation");
+  expect([](View* v) { v->image = RgbImage(); }, "image is empty");
+  expect([](View* v) { v->image = PlainImage(41, 30, 0); }, "larger");
+  expect([](View* v) { v->image = PlainImage(40, 31, 0); }, "larger");
+  expect([](View* v) { v->image.data.pop_back(); }, "image data");
+  expect([](View* v) { v->mask.pop_back(); }, "mask");
+  expect([](View* v) { v->segments.push_back(0); }, "segments");
+}
+
+TEST(Scene, WrongPointsAreNamed) {
+  const auto expect = [](const std::function<void(SparsePoint*)>& change,
+                         const std::string& matter) {
+    ExpectRefused(
+        [&](Scene* scene) {
+          scene->points.push_back(scene->points[0]);
+          change(&scene->points[1]);
+        },
+        "sparse point 1",
+        matter);
+  };
+  expect([](SparsePoint* p) { p->xyz.z() = kNan; }, "position");
+  expect([](SparsePoint* p) { p->track[0].view_idx = 2; }, "view");
+  expect([](SparsePoint* p) { p->track[1].view_idx = -1; }, "view");
+  expect([](SparsePoint* p) { p->track[1].xy.y() = kNan; }, "observation");
+  expect([](SparsePoint* p) { p->error = kNan; }, "error");
+  expect(
+      [](SparsePoint* p) {
+        p->error = std::numeric_limits<double>::infinity();
+      },
+      "error");
+}
+
+TEST(PinholeCamera, ResizedKeepsTheFieldOfView) {
+  const PinholeCamera camera{40, 30, 50, 55, 19, 16};
+  const PinholeCamera half = camera.Resized(20, 10);
+  EXPECT_EQ(half.width, 20);
+  EXPECT_EQ(half.height, 10);
+  EXPECT_DOUBLE_EQ(half.fx, 25);
+  EXPECT_DOUBLE_EQ(half.fy, 55 / 3.0);
+  EXPECT_DOUBLE_EQ(half.cx, 9.5);
+  EXPECT_DOUBLE_EQ(half.cy, 16 / 3.0);
+  // The same ray goes through the same place of both images.
+  const double ray_x = (40 - camera.cx) / camera.fx;
+  EXPECT_DOUBLE_EQ(half.fx * ray_x + half.cx, 20);
+}
+
+TEST(View, ProjectionCenter) {
+  const Eigen::Vector3d center(1, -2, 3);
+  const View view = MakeView("", MakeCamera(4, 3, 5), center, {0.3, 0.2, 0.9});
+  EXPECT_LT((view.ProjectionCenter() - center).norm(), 1e-12);
+}
+
+}  // namespace
+}  // namespace structnerf
