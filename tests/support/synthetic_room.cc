@@ -142,8 +142,8 @@ bool SyntheticRoomOptions::Check(std::string* error) const {
   if (width < 32 || width > 4096 || height < 32 || height > 4096) {
     return Fail("width and height must be 32 to 4096.", error);
   }
-  if (seed < 0) {
-    return Fail("seed must not be negative.", error);
+  if (seed < 0 || seed > 1000000) {
+    return Fail("seed must be 0 to 1000000.", error);
   }
   if (camera_models.empty()) {
     return Fail("camera_models must name at least one camera model.", error);
