@@ -54,15 +54,20 @@ void RenderPixels(const std::vector<Pixel>& pixels,
   }
 }
 
+// Offset of the neighbours of a pixel that are on the lattice, to both sides.
+int LatticeOffset(const int i, const int size) {
+  return i == size - 1 ? 0 : i % 2;
+}
+
 // The rendered pixels around one that was left out.
 int Neighbors(const Pixel& pixel,
               const int width,
               const int height,
               size_t* indices) {
-  const int cols[2] = {pixel.col - pixel.col % 2,
-                       std::min(pixel.col + pixel.col % 2, width - 1)};
-  const int rows[2] = {pixel.row - pixel.row % 2,
-                       std::min(pixel.row + pixel.row % 2, height - 1)};
+  const int col_offset = LatticeOffset(pixel.col, width);
+  const int row_offset = LatticeOffset(pixel.row, height);
+  const int cols[2] = {pixel.col - col_offset, pixel.col + col_offset};
+  const int rows[2] = {pixel.row - row_offset, pixel.row + row_offset};
   int count = 0;
   for (const int row : rows) {
     for (const int col : cols) {
@@ -76,8 +81,7 @@ bool IsLatticePixel(const int col,
                     const int row,
                     const int width,
                     const int height) {
-  return (col % 2 == 0 || col == width - 1) &&
-         (row % 2 == 0 || row == height - 1);
+  return LatticeOffset(col, width) == 0 && LatticeOffset(row, height) == 0;
 }
 
 // Visits pixels in blocks so that the rays of a tile are neighbours and read
