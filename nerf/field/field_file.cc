@@ -98,6 +98,8 @@ void WriteField(const std::string& path,
   std::error_code error;
   std::filesystem::rename(partial_path, path, error);
   if (error) {
+    std::error_code ignored;
+    std::filesystem::remove(partial_path, ignored);
     throw std::runtime_error("could not write the trained field to " + path +
                              ": " + error.message());
   }
@@ -134,7 +136,8 @@ FieldParameters ReadField(const std::string& path,
   file.read(reinterpret_cast<char*>(parameters.network.data()),
             parameters.network.size() * sizeof(float));
   file.read(reinterpret_cast<char*>(&checksum), sizeof(checksum));
-  if (!file || checksum != FileChecksum(header, parameters)) {
+  if (!file || checksum != FileChecksum(header, parameters) ||
+      file.peek() != std::ifstream::traits_type::eof()) {
     throw std::runtime_error(path + " is damaged: its checksum does not match");
   }
   return parameters;
