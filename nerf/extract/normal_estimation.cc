@@ -12,7 +12,7 @@ namespace {
 constexpr int kWindowRadius = 6;
 constexpr int kWindowStep = 2;
 
-// Neighbours count by exp(-(relative difference in depth / this)^2).
+// Neighbours count by 1 / (1 + (relative difference in depth / this)^4).
 constexpr float kDepthFalloff = 0.03f;
 
 }  // namespace
