@@ -1,0 +1,239 @@
+#include "nerf/reconstructor.h"
+#include "tests/nerf/plane_scene.h"
+
+#include <map>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace structnerf {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+constexpr int kWidth = 40;
+constexpr int kHeight = 30;
+
+// Cameras side by side in front of a slanted wall, with the wall's exact depth
+// in every map.
+struct PlaneMaps {
+  explicit PlaneMaps(const std::vector<double>& camera_xs) {
+    plane.normal = {0.1, -0.2, -1};
+    for (const double x : camera_xs) {
+      // Different cameras, so that intrinsics cannot be mixed up.
+      const int size = static_cast<int>(scene.views.size());
+      AddView(MakeView("view",
+                       {kWidth + 2 * size,
+                        kHeight + size,
+                        50.0 + size,
+                        52.0 + size,
+                        0.5 * kWidth + size,
+                        0.5 * kHeight},
+                       {x, 0.02 * x, -0.1 * x}));
+    }
+  }
+
+  void AddView(const View& view) {
+    scene.views.push_back(view);
+    DenseMaps view_maps;
+    view_maps.width = view.camera.width;
+    view_maps.height = view.camera.height;
+    for (int row = 0; row < view_maps.height; ++row) {
+      for (int col = 0; col < view_maps.width; ++col) {
+        view_maps.depth.push_back(
+            static_cast<float>(plane.Depth(view, col, row)));
+      }
+    }
+    maps.push_back(view_maps);
+  }
+
+  float& Depth(const int view_idx, const int col, const int row) {
+    return maps[view_idx].depth[row * maps[view_idx].width + col];
+  }
+
+  // View indices by pixel.
+  std::map<std::pair<int, int>, std::vector<int>> Find(
+      const std::vector<int>& sources) const {
+    std::map<std::pair<int, int>, std::vector<int>> found;
+    for (const ConsistencyRecord& record :
+         FindConsistentPixels(scene, maps, 0, sources, options)) {
+      found[{record.col, record.row}] = record.view_idxs;
+    }
+    return found;
+  }
+
+  TexturedPlane plane;
+  Scene scene;
+  std::vector<DenseMaps> maps;
+  ExtractionOptions options;
+};
+
+TEST(FindConsistentPixels, ViewsOfAPlaneConfirmEachOther) {
+  PlaneMaps test({0, 0.5, -0.4});
+  test.options.min_num_consistent = 1;
+  // Rounding to the nearest pixel of the other view moves a slanted plane a
+  // little.
+  test.options.max_relative_depth_error = 0.01;
+  const auto found = test.Find({1, 2});
+  int num_seen = 0;
+  for (int row = 0; row < kHeight; ++row) {
+    for (int col = 0; col < kWidth; ++col) {
+      const View& view = test.scene.views[0];
+      const PinholeCamera& camera = view.camera;
+      const double depth = test.plane.Depth(view, col, row);
+      const Eigen::Vector3d in_world =
+          view.cam_from_world_rotation.transpose() *
+          (Eigen::Vector3d(depth * (col - camera.cx) / camera.fx,
+                           depth * (row - camera.cy) / camera.fy,
+                           depth) -
+           view.cam_from_world_translation);
+      std::vector<int> expected;
+      bool is_at_border = false;
+      for (const int source : {1, 2}) {
+        const Eigen::Vector3d pixel =
+            Project(test.scene.views[source], in_world);
+        // Pixels are centred at integers here.
+        const double right = test.maps[source].width - 0.5 - pixel.x();
+        const double bottom = test.maps[source].height - 0.5 - pixel.y();
+        const double inside = std::min(std::min(pixel.x() + 0.5, right),
+                                       std::min(pixel.y() + 0.5, bottom));
+        is_at_border |= std::abs(inside) < 1e-3;
+        if (inside > 0) {
+          expected.push_back(source);
+        }
+      }
+      if (is_at_border) {
+        continue;
+      }
+      const auto record = found.find({col, row});
+      EXPECT_EQ(record != found.end() ? record->second : std::vector<int>(),
+                expected)
+          << col << " " << row;
+      num_seen += expected.size() == 2;
+    }
+  }
+  EXPECT_GT(num_seen, kWidth * kHeight / 2);
+}
+
+TEST(FindConsistentPixels, AsManyViewsAsAskedFor) {
+  PlaneMaps test({0, 0.1, -0.1, 0.2});
+  const std::pair<int, int> middle(20, 15);
+  for (int min_num_consistent = 1; min_num_consistent <= 3;
+       ++min_num_consistent) {
+    test.options.min_num_consistent = min_num_consistent;
+    // Listed in any order, recorded in ascending order.
+    EXPECT_THAT(test.Find({3, 1, 2})[middle], ElementsAre(1, 2, 3));
+  }
+  test.options.min_num_consistent = 4;
+  EXPECT_THAT(test.Find({3, 1, 2}), IsEmpty());
+  test.options.min_num_consistent = 2;
+  EXPECT_THAT(test.Find({1}), IsEmpty());
+  EXPECT_THAT(test.Find({}), IsEmpty());
+  // Only the views that were asked.
+  EXPECT_THAT(test.Find({1, 3})[middle], ElementsAre(1, 3));
+}
+
+TEST(FindConsistentPixels, RecordsComeRowByRow) {
+  PlaneMaps test({0, 0.1, -0.1});
+  const std::vector<ConsistencyRecord> records =
+      FindConsistentPixels(test.scene, test.maps, 0, {1, 2}, test.options);
+  ASSERT_GT(records.size(), 100u);
+  for (size_t i = 1; i < records.size(); ++i) {
+    EXPECT_LT(records[i - 1].row * kWidth + records[i - 1].col,
+              records[i].row * kWidth + records[i].col);
+  }
+}
+
+TEST(FindConsistentPixels, OutliersAndHolesAreNotConfirmed) {
+  PlaneMaps test({0, 0.1, -0.1});
+  test.Depth(0, 20, 15) *= 1.1f;
+  test.Depth(0, 21, 15) *= 0.9f;
+  test.Depth(0, 22, 15) = 0;
+  const auto found = test.Find({1, 2});
+  EXPECT_EQ(found.count({20, 15}), 0u);
+  EXPECT_EQ(found.count({21, 15}), 0u);
+  EXPECT_EQ(found.count({22, 15}), 0u);
+  EXPECT_EQ(found.count({23, 15}), 1u);
+}
+
+TEST(FindConsistentPixels, OccludedPixelsAreNotConfirmed) {
+  PlaneMaps test({0, 0.1, -0.1});
+  // Something stands in front of half of view 1; view 2 has no depth there.
+  for (int row = 0; row < test.maps[1].height; ++row) {
+    for (int col = 0; col < 20; ++col) {
+      test.Depth(1, col, row) = 1.0f;
+      test.Depth(2, col, row) = 0.0f;
+    }
+  }
+  test.options.min_num_consistent = 1;
+  const auto found = test.Find({1, 2});
+  EXPECT_EQ(found.count({8, 15}), 0u);
+  EXPECT_THAT(found.at({32, 15}), ElementsAre(1, 2));
+}
+
+TEST(FindConsistentPixels, PointsBehindASourceAreNotConfirmed) {
+  PlaneMaps test({0, 0.1});
+  // Behind the wall, looking on; its map holds the negative of the truth.
+  test.AddView(MakeView("behind", test.scene.views[0].camera, {0, 0, 8}));
+  for (float& depth : test.maps[2].depth) {
+    ASSERT_LT(depth, 0);
+    depth = -depth;
+  }
+  test.options.min_num_consistent = 1;
+  for (const auto& [pixel, view_idxs] : test.Find({1, 2})) {
+    EXPECT_THAT(view_idxs, ElementsAre(1));
+  }
+}
+
+TEST(FindConsistentPixels, DepthErrorLimit) {
+  PlaneMaps test({0, 0.1});
+  test.plane.normal = {0, 0, -1};
+  test.options.min_num_consistent = 1;
+  test.options.max_relative_depth_error = 0.05;
+  test.options.max_reprojection_error = 100;
+  // A frontal wall at 4 m, so that nothing but the scaling differs.
+  Scene scene;
+  scene.views = {MakeView("a", MakeCamera(kWidth, kHeight, 50), {0, 0, 0}),
+                 MakeView("b", MakeCamera(kWidth, kHeight, 50), {0.1, 0, 0})};
+  test.scene = scene;
+  for (const float ratio : {0.945f, 0.955f, 1.0f, 1.045f, 1.055f}) {
+    for (int v = 0; v < 2; ++v) {
+      test.maps[v].width = kWidth;
+      test.maps[v].height = kHeight;
+      test.maps[v].depth.assign(kWidth * kHeight, v == 0 ? 4.0f : 4 * ratio);
+    }
+    EXPECT_EQ(test.Find({1}).count({20, 15}),
+              std::abs(ratio - 1) < 0.05f ? 1u : 0u)
+        << ratio;
+  }
+}
+
+TEST(FindConsistentPixels, ReprojectionErrorLimit) {
+  PlaneMaps test({0, 0.1});
+  Scene scene;
+  // A wide baseline: 1 % of depth is 50 * 2 / 4 * 0.01 = 0.25 pixels.
+  scene.views = {
+      MakeView("a", MakeCamera(kWidth, kHeight, 50), {0, 0, 0}),
+      MakeView("b", MakeCamera(kWidth, kHeight, 50), {2, 0, 0}, {-0.5, 0, 1})};
+  test.scene = scene;
+  test.plane.normal = {0, 0, -1};
+  test.options.min_num_consistent = 1;
+  test.options.max_relative_depth_error = 0.02;
+  test.maps.clear();
+  test.scene.views.clear();
+  for (const View& view : scene.views) {
+    test.AddView(view);
+  }
+  for (float& depth : test.maps[1].depth) {
+    depth *= 1.01f;
+  }
+  test.options.max_reprojection_error = 1.0;
+  EXPECT_EQ(test.Find({1}).count({20, 15}), 1u);
+  test.options.max_reprojection_error = 0.1;
+  EXPECT_EQ(test.Find({1}).count({20, 15}), 0u);
+}
+
+}  // namespace
+}  // namespace structnerf
