@@ -1,5 +1,9 @@
 #include "colmap_plugin/colmap_compat.h"
 
+#include <fstream>
+#include <stdexcept>
+#include <unordered_set>
+
 #include <colmap/image/undistortion.h>
 #include <colmap/util/logging.h>
 #include <colmap/util/version.h>
@@ -13,6 +17,28 @@
 #endif
 
 namespace structnerf {
+namespace {
+
+// COLMAP only logs images that it cannot undistort, and leaves them out of the
+// list of images to fuse.
+void CheckUndistorted(const colmap::Reconstruction& reconstruction,
+                      const std::string& output_path) {
+  std::ifstream file(output_path + "/stereo/fusion.cfg");
+  std::unordered_set<std::string> names;
+  for (std::string name; std::getline(file, name);) {
+    names.insert(name);
+  }
+  for (const colmap::image_t image_id : RegisteredImageIds(reconstruction)) {
+    const std::string& name = reconstruction.Image(image_id).Name();
+    if (names.count(name) == 0) {
+      throw std::runtime_error(
+          "The image " + name +
+          " could not be undistorted; it is damaged or the disk is full.");
+    }
+  }
+}
+
+}  // namespace
 
 void InitializeColmap(char** argv) {
   colmap::InitializeGlog(argv);
@@ -87,8 +113,21 @@ void CreateUndistortedWorkspace(const colmap::Reconstruction& reconstruction,
   colmap::COLMAPUndistorter undistorter(
       camera_options, reconstruction, image_path, output_path);
 #endif
-  undistorter.SetCheckIfStoppedFunc(should_stop);
-  undistorter.Run();
+  bool stopped = false;
+  undistorter.SetCheckIfStoppedFunc([&]() {
+    stopped = stopped || should_stop();
+    return stopped;
+  });
+  try {
+    undistorter.Run();
+  } catch (const std::exception& error) {
+    throw std::runtime_error(
+        std::string("The images could not be undistorted (") + error.what() +
+        "); is the disk full?");
+  }
+  if (!stopped) {
+    CheckUndistorted(reconstruction, output_path);
+  }
 }
 
 }  // namespace structnerf

@@ -35,8 +35,8 @@ bool ReadImageSize(const std::string& path, int* width, int* height);
 
 // Creates COLMAP's dense workspace in the existing folder `output_path`:
 // undistorted images, sparse model, stereo folders and configurations. Calls
-// `should_stop` before each image and ends early when it returns true. An image
-// that cannot be undistorted is missing afterwards.
+// `should_stop` before each image and ends early when it returns true. Throws
+// std::runtime_error if an image cannot be undistorted.
 void CreateUndistortedWorkspace(const colmap::Reconstruction& reconstruction,
                                 const std::string& image_path,
                                 const std::string& output_path,

@@ -162,6 +162,31 @@ void CheckMasks(const colmap::Reconstruction& reconstruction,
   }
 }
 
+void CheckWrittenModel(const colmap::Reconstruction& original,
+                       const colmap::Reconstruction& written) {
+  bool is_complete = written.NumRegImages() == original.NumRegImages() &&
+                     written.NumPoints3D() == original.NumPoints3D() &&
+                     written.NumCameras() == original.NumCameras();
+  for (const colmap::image_t image_id : RegisteredImageIds(original)) {
+    const colmap::Image& image = original.Image(image_id);
+    is_complete =
+        is_complete && written.ExistsImage(image_id) &&
+        written.Image(image_id).Name() == image.Name() &&
+        written.Image(image_id).NumPoints2D() == image.NumPoints2D() &&
+        written.Camera(image.CameraId()).width > 0;
+  }
+  for (const auto& [point3D_id, point3D] : original.Points3D()) {
+    is_complete =
+        is_complete && written.ExistsPoint3D(point3D_id) &&
+        written.Point3D(point3D_id).xyz == point3D.xyz &&
+        written.Point3D(point3D_id).track.Length() == point3D.track.Length();
+  }
+  if (!is_complete) {
+    throw std::runtime_error(
+        "The undistorted model could not be written; is the disk full?");
+  }
+}
+
 std::vector<std::string> ImageNames(
     const colmap::Reconstruction& reconstruction) {
   std::vector<std::string> names;

@@ -27,6 +27,11 @@ void CheckImages(const colmap::Reconstruction& reconstruction,
 void CheckMasks(const colmap::Reconstruction& reconstruction,
                 const std::string& mask_path);
 
+// `written`, read back after COLMAP has undistorted `original` and written it,
+// is complete. COLMAP does not notice a full disk.
+void CheckWrittenModel(const colmap::Reconstruction& original,
+                       const colmap::Reconstruction& written);
+
 // Names of the registered images in the model's order.
 std::vector<std::string> ImageNames(
     const colmap::Reconstruction& reconstruction);

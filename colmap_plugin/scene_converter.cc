@@ -44,19 +44,23 @@ View ConvertPose(const colmap::Reconstruction& reconstruction,
   return view;
 }
 
-cv::Mat ReadImage(const std::string& path, const PinholeCamera& camera) {
+cv::Mat ReadImage(const SceneConverterOptions& options, const View& view) {
+  const std::string path =
+      (std::filesystem::path(options.image_path) / view.name).string();
   // COLMAP does not turn images as their EXIF data says, so neither do we.
   const cv::Mat image =
       cv::imread(path, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
   if (image.empty()) {
-    throw std::runtime_error("The undistorted image " + path +
-                             " is missing or cannot be read.");
+    throw std::runtime_error("The undistorted image " + view.name +
+                             " cannot be read; it is damaged, or the disk is "
+                             "full.");
   }
-  if (image.cols != camera.width || image.rows != camera.height) {
+  if (image.cols != view.camera.width || image.rows != view.camera.height) {
     throw std::runtime_error(
-        "The undistorted image " + path + " is " + std::to_string(image.cols) +
-        "x" + std::to_string(image.rows) + ", but its camera is " +
-        std::to_string(camera.width) + "x" + std::to_string(camera.height) +
+        "The undistorted image " + view.name + " is " +
+        std::to_string(image.cols) + "x" + std::to_string(image.rows) +
+        ", but its camera is " + std::to_string(view.camera.width) + "x" +
+        std::to_string(view.camera.height) +
         "; undistort the images again with this model.");
   }
   return image;
@@ -72,9 +76,7 @@ cv::Size ReducedSize(const PinholeCamera& camera, const int max_image_size) {
 }
 
 void LoadPixels(const SceneConverterOptions& options, View* view) {
-  const std::string path =
-      (std::filesystem::path(options.image_path) / view->name).string();
-  const cv::Mat full_image = ReadImage(path, view->camera);
+  const cv::Mat full_image = ReadImage(options, *view);
   const cv::Size size = ReducedSize(view->camera, options.max_image_size);
   cv::Mat image;
   cv::resize(full_image, image, size, 0, 0, cv::INTER_AREA);

@@ -203,20 +203,15 @@ void StructNerfController::UndistortImages() {
       throw Aborted();
     }
     ReportFraction(1, 1);
-    for (const std::string& name : ImageNames(*reconstruction_)) {
-      if (!fs::exists(workspace_->ImagePath(name))) {
-        throw std::runtime_error(
-            "The image " + (fs::path(options_.image_path) / name).string() +
-            " could not be undistorted; it is damaged or the disk is full.");
-      }
-    }
     if (!options_.mask_path.empty()) {
       mask_path_ = (fs::path(workspace_->ReportFolder()) / "masks").string();
       UndistortMasks(*reconstruction_, options_.mask_path, mask_path_);
     }
     // The order of the images in this file is what the results refer to.
-    reconstruction_ = std::make_shared<colmap::Reconstruction>(
+    const auto undistorted = std::make_shared<colmap::Reconstruction>(
         ReadModel(workspace_->SparsePath()));
+    CheckWrittenModel(*reconstruction_, *undistorted);
+    reconstruction_ = undistorted;
   }
   image_names_ = ImageNames(*reconstruction_);
   workspace_->CreateFolders(image_names_);
@@ -238,10 +233,11 @@ void StructNerfController::LoadScene() {
   report_.num_points3D = static_cast<int>(scene.points.size());
   report_.training_image_size = converter_options.max_image_size;
   for (const View& view : scene.views) {
-    scene_.views.push_back(view);
-    scene_.views.back().image = RgbImage();
-    scene_.views.back().mask.clear();
-    scene_.views.back().segments.clear();
+    View& pose = scene_.views.emplace_back();
+    pose.name = view.name;
+    pose.camera = view.camera;
+    pose.cam_from_world_rotation = view.cam_from_world_rotation;
+    pose.cam_from_world_translation = view.cam_from_world_translation;
   }
   reconstructor_ = std::make_unique<Reconstructor>(std::move(scene),
                                                    options_.reconstruction);

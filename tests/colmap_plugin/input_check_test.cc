@@ -143,5 +143,33 @@ TEST_F(InputCheckTest, MaskFolderMustHoldAMask) {
   EXPECT_EQ(ErrorOf(check), "");
 }
 
+TEST_F(InputCheckTest, IncompleteModelIsNoticed) {
+  const TinyModel model = MakeTinyModel(3);
+  model.WriteModel(temp_dir_ / "sparse");
+  const auto original = ReadModel(temp_dir_ / "sparse");
+  const auto error_of = [&](const TinyModel& written) {
+    written.WriteModel(temp_dir_ / "written");
+    return ErrorOf([&]() {
+      CheckWrittenModel(original, ReadModel(temp_dir_ / "written"));
+    });
+  };
+  EXPECT_EQ(error_of(model), "");
+  TinyModel written = model;
+  written.images.pop_back();
+  EXPECT_THAT(error_of(written), HasSubstr("disk full"));
+  written = model;
+  written.points.pop_back();
+  EXPECT_THAT(error_of(written), HasSubstr("disk full"));
+  written = model;
+  written.points[3].x() += 0.1;
+  EXPECT_THAT(error_of(written), HasSubstr("disk full"));
+  written = model;
+  written.images[1].name = "";
+  EXPECT_THAT(error_of(written), HasSubstr("disk full"));
+  written = model;
+  written.cameras[0].width = 0;
+  EXPECT_THAT(error_of(written), HasSubstr("disk full"));
+}
+
 }  // namespace
 }  // namespace structnerf

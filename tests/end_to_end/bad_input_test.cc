@@ -167,9 +167,16 @@ TEST_F(BadInputTest, UnwritableOutput) {
 }
 
 TEST_F(BadInputTest, FullDisk) {
-  // Maps of normals have 36 kB here, everything written before them less.
-  options_.max_file_size = 30000;
-  ExpectError("is the disk full?");
+  // The images have 9 kB, the model's files about 1 kB, maps of normals 36 kB.
+  for (const size_t max_file_size : {500, 5000, 30000}) {
+    options_.max_file_size = max_file_size;
+    ExpectError("full");
+  }
+  // As above, but COLMAP writes new images instead of copying these.
+  model_.cameras[0] = {"SIMPLE_RADIAL", 64, 48, {60, 32, 24, 0.1}};
+  model_.WriteModel(temp_dir_ / "sparse/0");
+  options_.max_file_size = 5000;
+  ExpectError("the disk is full");
 }
 
 TEST_F(BadInputTest, WrongOptions) {
