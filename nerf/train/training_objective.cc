@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <stdexcept>
 
@@ -101,25 +102,28 @@ class TrainingObjective::Tile : public TileObjective {
     objective_.views_.geometry(view_idx).SetRay(x, y, ray, rays_);
   }
 
+  // Every unmasked pixel is as likely as any other.
   void DrawRandomRay(Random* random) {
-    const std::vector<size_t>& last = objective_.last_pixel_;
-    // Masked pixels are rejected; scenes without any unmasked pixel are refused
-    // beforehand, so the bound on draws only limits rare bad luck.
-    for (int draw = 0; draw < 100; ++draw) {
-      const uint32_t pixel =
-          random->NextBelow(static_cast<uint32_t>(last.back()));
-      const size_t i =
-          std::upper_bound(last.begin(), last.end(), pixel) - last.begin();
-      const int view_idx = objective_.train_view_idxs_[i];
-      const int width = objective_.views_.image(view_idx).width;
-      const size_t index = pixel - (i > 0 ? last[i - 1] : 0);
-      const int col = static_cast<int>(index % width);
-      const int row = static_cast<int>(index / width);
-      if (!objective_.views_.IsMasked(view_idx, col, row) || draw == 99) {
-        AddRay(view_idx, col + 0.5, row + 0.5);
-        return;
+    const std::vector<PixelRow>& rows = objective_.pixel_rows_;
+    const size_t pixel =
+        random->NextBelow(static_cast<uint32_t>(rows.back().last_pixel));
+    const auto row = std::upper_bound(
+        rows.begin(), rows.end(), pixel, [](const size_t p, const PixelRow& r) {
+          return p < r.last_pixel;
+        });
+    const size_t first_pixel =
+        row == rows.begin() ? 0 : std::prev(row)->last_pixel;
+    const size_t width = objective_.views_.image(row->view_idx).width;
+    int col = static_cast<int>(pixel - first_pixel);
+    if (row->last_pixel - first_pixel < width) {
+      int num_to_skip = col;
+      col = 0;
+      while (objective_.views_.IsMasked(row->view_idx, col, row->row) ||
+             num_to_skip-- > 0) {
+        ++col;
       }
     }
+    AddRay(row->view_idx, col + 0.5, row->row + 0.5);
   }
 
   void DrawSparseRay(Random* random) {
@@ -325,19 +329,20 @@ float TrainingObjective::PriorWeight(const int step) const {
 
 void TrainingObjective::CollectPixels(const Scene& scene) {
   size_t num_pixels = 0;
-  size_t num_unmasked = 0;
   for (const int view_idx : train_view_idxs_) {
     const View& view = scene.views[view_idx];
-    const size_t count =
-        static_cast<size_t>(view.image.width) * view.image.height;
-    num_pixels += count;
-    num_unmasked +=
-        view.mask.empty()
-            ? count
-            : count - std::count(view.mask.begin(), view.mask.end(), 0);
-    last_pixel_.push_back(num_pixels);
+    const int width = view.image.width;
+    for (int row = 0; row < view.image.height; ++row) {
+      num_pixels += width;
+      if (!view.mask.empty()) {
+        const auto begin =
+            view.mask.begin() + static_cast<ptrdiff_t>(row) * width;
+        num_pixels -= std::count(begin, begin + width, 0);
+      }
+      pixel_rows_.push_back({view_idx, row, num_pixels});
+    }
   }
-  if (num_unmasked == 0) {
+  if (num_pixels == 0) {
     throw std::invalid_argument(
         "the masks leave no pixel to train on; black means ignored");
   }

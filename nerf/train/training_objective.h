@@ -56,8 +56,13 @@ class TrainingObjective {
   TrainingViews views_;
   PatchLoss patch_loss_;
 
-  // Cumulative number of pixels of the views that are trained on.
-  std::vector<size_t> last_pixel_;
+  // A row of a view that is trained on.
+  struct PixelRow {
+    int view_idx = -1;
+    int row = 0;
+    size_t last_pixel = 0;  // cumulative number of unmasked pixels
+  };
+  std::vector<PixelRow> pixel_rows_;
   std::vector<SparseTarget> sparse_targets_;
   std::vector<Segment> segments_;
   std::vector<uint32_t> segment_pixels_;   // row * width + col
