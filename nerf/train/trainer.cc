@@ -9,7 +9,7 @@
 namespace structnerf {
 namespace {
 
-// Steps between two looks at the clock and the user.
+// Steps between two reports.
 constexpr int kReportInterval = 10;
 
 // Shares of the training between two PSNR measurements.
@@ -69,14 +69,14 @@ TrainingSummary Trainer::Run(Progress* progress) {
   double psnr = -1;
   double next_psnr = kPsnrInterval;
   for (int step = 0; step < training.num_steps; ++step) {
+    if (progress->ShouldAbort()) {
+      throw Aborted();
+    }
+    if (progress->ShouldStop()) {
+      summary.stopped_early = true;
+      break;
+    }
     if (step % kReportInterval == 0) {
-      if (progress->ShouldAbort()) {
-        throw Aborted();
-      }
-      if (progress->ShouldStop()) {
-        summary.stopped_early = true;
-        break;
-      }
       ProgressUpdate update;
       update.stage = "Training";
       update.fraction = static_cast<double>(step) / training.num_steps;
@@ -141,6 +141,7 @@ double Trainer::HeldOutPsnr() const {
   const TrainingViews& views = objective_.Views();
   std::vector<RayTile> tiles;
   std::vector<Eigen::Vector3f> targets;
+  std::vector<bool> is_masked;
   Random random(options_.training.seed, 0, 0);
   for (const int view_idx : test_view_idxs_) {
     const TrainingViews::Image& image = views.image(view_idx);
@@ -152,6 +153,7 @@ double Trainer::HeldOutPsnr() const {
         const int row = static_cast<int>(random.NextBelow(image.height));
         views.geometry(view_idx).SetRay(col + 0.5, row + 0.5, ray, &tile);
         targets.push_back(views.Color(view_idx, col, row));
+        is_masked.push_back(views.IsMasked(view_idx, col, row));
       }
       tiles.push_back(tile);
     }
@@ -159,7 +161,12 @@ double Trainer::HeldOutPsnr() const {
   std::vector<RayOutputs> outputs;
   engine_->Render(tiles, /*with_color=*/true, &outputs);
   double sum = 0;
+  size_t count = 0;
   for (size_t i = 0; i < targets.size(); ++i) {
+    if (is_masked[i]) {
+      continue;
+    }
+    count += 3;
     const RayOutputs& output = outputs[i / kMaxTileRays];
     for (int c = 0; c < 3; ++c) {
       const double difference =
@@ -167,7 +174,10 @@ double Trainer::HeldOutPsnr() const {
       sum += difference * difference;
     }
   }
-  return -10.0 * std::log10(std::max(sum / (3.0 * targets.size()), 1e-12));
+  return count > 0
+             ? -10.0 *
+                   std::log10(std::max(sum / static_cast<double>(count), 1e-12))
+             : -1;
 }
 
 }  // namespace structnerf

@@ -27,7 +27,8 @@ class Trainer {
  private:
   StepParameters MakeStep(int step) const;
 
-  // PSNR over a fixed choice of pixels of the held-out views; -1 without any.
+  // PSNR over a fixed choice of the unmasked pixels of the held-out views; -1
+  // without any.
   double HeldOutPsnr() const;
 
   const TrainingObjective& objective_;
