@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include <Eigen/LU>
 
@@ -58,12 +59,19 @@ void ViewGeometry::SetRay(const double x,
 }
 
 TrainingViews::TrainingViews(const Scene& scene, const SceneFrame& frame) {
+  // Byte offsets of grey values are 32 bits wide.
+  constexpr size_t kMaxPixels = size_t{1} << 30;
   size_t num_pixels = 0;
   for (const View& view : scene.views) {
     images_.push_back({view.image.width, view.image.height, num_pixels});
     num_pixels += static_cast<size_t>(view.image.width) * view.image.height;
     geometries_.emplace_back(
         view, view.camera.Resized(view.image.width, view.image.height), frame);
+  }
+  if (num_pixels >= kMaxPixels) {
+    throw std::invalid_argument(
+        "the images to train on have 2^30 pixels or more in all; lower "
+        "max_image_size");
   }
   colors_.resize(num_pixels);
   grays_.resize(num_pixels + 1);

@@ -40,6 +40,7 @@ class TrainingViews {
     size_t first_pixel = 0;  // into Colors() and Grays()
   };
 
+  // Throws std::invalid_argument if the images have 2^30 pixels or more in all.
   TrainingViews(const Scene& scene, const SceneFrame& frame);
 
   size_t size() const { return images_.size(); }
