@@ -1,0 +1,232 @@
+#include "nerf/train/trainer.h"
+
+#include "tests/nerf/fake_engine.h"
+#include "tests/nerf/plane_scene.h"
+
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace structnerf {
+namespace {
+
+using testing::Each;
+using testing::ElementsAre;
+
+// Writes down what it is told, and can stop or abort at a step.
+class RecordingProgress : public Progress {
+ public:
+  void Report(const ProgressUpdate& update) override {
+    updates.push_back(update);
+  }
+  bool ShouldStop() override { return num_stop_asked++ >= stop_at; }
+  bool ShouldAbort() override { return num_abort_asked++ >= abort_at; }
+
+  std::vector<ProgressUpdate> updates;
+  int num_stop_asked = 0;
+  int num_abort_asked = 0;
+  int stop_at = std::numeric_limits<int>::max();
+  int abort_at = std::numeric_limits<int>::max();
+};
+
+class TrainerTest : public testing::Test {
+ protected:
+  TrainerTest() {
+    for (int v = 0; v < 3; ++v) {
+      scene_.views.push_back(
+          MakeView("view", MakeCamera(16, 12, 12), {0.2 * v, 0, 0}));
+      scene_.views.back().image = PlainImage(16, 12, 128);
+    }
+    scene_.points = {MakePoint(scene_, {0, 0, 4}, {0, 1, 2})};
+    options_.training.num_steps = 200;
+    options_.training.rays_per_step = 64;
+  }
+
+  TrainingSummary Run(const std::vector<int>& test_view_idxs = {}) {
+    const SceneFrame frame = ComputeSceneFrame(scene_);
+    std::vector<int> train_view_idxs;
+    for (int v = 0; v < 3; ++v) {
+      if (std::count(test_view_idxs.begin(), test_view_idxs.end(), v) == 0) {
+        train_view_idxs.push_back(v);
+      }
+    }
+    const TrainingObjective objective(scene_,
+                                      frame,
+                                      train_view_idxs,
+                                      {{}, {}, {}},
+                                      options_.loss,
+                                      options_.training);
+    return Trainer(objective, test_view_idxs, options_, &engine_)
+        .Run(&progress_);
+  }
+
+  Scene scene_;
+  ReconstructionOptions options_;
+  FakeEngine engine_;
+  RecordingProgress progress_;
+};
+
+TEST_F(TrainerTest, RunsEveryStepOnce) {
+  const TrainingSummary summary = Run();
+  EXPECT_EQ(summary.num_steps, 200);
+  EXPECT_FALSE(summary.stopped_early);
+  ASSERT_EQ(engine_.steps.size(), 200u);
+  for (int step = 0; step < 200; ++step) {
+    EXPECT_EQ(engine_.steps[step].step, step);
+    EXPECT_EQ(engine_.steps[step].num_tiles, 2);
+  }
+  EXPECT_EQ(summary.num_rays, 200u * 64);
+  EXPECT_EQ(summary.num_samples, 200u * 64 * options_.sampling.num_samples);
+  EXPECT_EQ(summary.num_parameters, engine_.Layout().NumParameters());
+  EXPECT_NEAR(summary.final_loss, 1, 1e-6);
+  EXPECT_EQ(summary.held_out_psnr, -1);
+  EXPECT_GT(summary.seconds, 0);
+}
+
+TEST_F(TrainerTest, LearningRatesFallExponentially) {
+  options_.training.grid_learning_rate = 0.1;
+  options_.training.network_learning_rate = 0.01;
+  options_.training.final_learning_rate_factor = 0.25;
+  Run();
+  EXPECT_NEAR(engine_.grid_learning_rates[0], 0.1, 1e-7);
+  EXPECT_NEAR(engine_.grid_learning_rates[100], 0.05, 1e-7);
+  EXPECT_NEAR(engine_.grid_learning_rates[199], 0.025, 5e-4);
+  for (int step = 0; step < 200; ++step) {
+    EXPECT_NEAR(engine_.network_learning_rates[step],
+                0.1 * engine_.grid_learning_rates[step],
+                1e-7);
+  }
+}
+
+TEST_F(TrainerTest, LevelsComeInFromCoarseToFine) {
+  options_.training.coarse_to_fine_fraction = 0.6125;
+  Run();
+  std::vector<int> first_step(4, -1);
+  std::vector<float> last(4, 0.0f);
+  for (const StepParameters& step : engine_.steps) {
+    ASSERT_EQ(step.level_weights.size(), 4u);
+    for (int level = 0; level < 4; ++level) {
+      const float weight = step.level_weights[level];
+      EXPECT_GE(weight, last[level]);
+      EXPECT_LE(weight, 1);
+      if (weight > 0 && first_step[level] < 0) {
+        first_step[level] = step.step;
+      }
+      last[level] = weight;
+    }
+  }
+  EXPECT_THAT(last, Each(1.0f));
+  // The others after 20.4, 40.8 and 61.3 % of the steps.
+  EXPECT_THAT(first_step, ElementsAre(0, 41, 82, 123));
+}
+
+TEST_F(TrainerTest, OneLevelIsAlwaysOn) {
+  options_.field.num_levels = 1;
+  engine_ = FakeEngine(1);
+  Run();
+  for (const StepParameters& step : engine_.steps) {
+    EXPECT_THAT(step.level_weights, ElementsAre(1.0f));
+  }
+}
+
+TEST_F(TrainerTest, DensityCacheIsRefreshedRegularly) {
+  options_.sampling.cache_interval = 60;
+  Run();
+  EXPECT_THAT(engine_.refresh_steps, ElementsAre(60, 120, 180));
+}
+
+TEST_F(TrainerTest, ProgressRisesToOne) {
+  Run();
+  ASSERT_GT(progress_.updates.size(), 10u);
+  double last = 0;
+  for (const ProgressUpdate& update : progress_.updates) {
+    EXPECT_EQ(update.stage, "Training");
+    EXPECT_GE(update.fraction, last);
+    EXPECT_LE(update.fraction, 1);
+    last = update.fraction;
+  }
+  EXPECT_EQ(progress_.updates.front().seconds_left, -1);
+  EXPECT_GE(progress_.updates[1].seconds_left, 0);
+  EXPECT_EQ(progress_.updates.back().fraction, 1);
+  EXPECT_EQ(progress_.updates.back().seconds_left, 0);
+  EXPECT_NEAR(progress_.updates.back().loss, 1, 1e-6);
+}
+
+// However long a step takes, the user's wish is looked at before each.
+TEST_F(TrainerTest, StopsAtTheStepWhenAsked) {
+  progress_.stop_at = 37;
+  const TrainingSummary summary = Run();
+  EXPECT_TRUE(summary.stopped_early);
+  EXPECT_EQ(summary.num_steps, 37);
+  EXPECT_EQ(engine_.steps.size(), 37u);
+  EXPECT_EQ(progress_.updates.back().fraction, 1);
+}
+
+TEST_F(TrainerTest, StopsBeforeTheFirstStep) {
+  progress_.stop_at = 0;
+  const TrainingSummary summary = Run();
+  EXPECT_TRUE(summary.stopped_early);
+  EXPECT_EQ(summary.num_steps, 0);
+  EXPECT_EQ(summary.final_loss, -1);
+}
+
+TEST_F(TrainerTest, AbortsAtTheStepWhenAsked) {
+  progress_.abort_at = 37;
+  EXPECT_THROW(Run(), Aborted);
+  EXPECT_EQ(engine_.steps.size(), 37u);
+}
+
+TEST_F(TrainerTest, GuardsAreCounted) {
+  engine_.is_finite = [](const int step) { return step % 50 != 7; };
+  engine_.loss = [](const int step) {
+    return step == 3 ? std::numeric_limits<double>::quiet_NaN() : 2.0;
+  };
+  const TrainingSummary summary = Run();
+  EXPECT_EQ(summary.guard_counts.at("non_finite_gradient"), 4);
+  EXPECT_EQ(summary.guard_counts.at("non_finite_loss"), 1);
+  // The mean is not spoilt for the rest of the run.
+  EXPECT_NEAR(summary.final_loss, 2, 1e-6);
+}
+
+TEST_F(TrainerTest, HeldOutPsnr) {
+  scene_.views[1].image = PlainImage(16, 12, 102);
+  // 0.3 against 0.4 in every channel.
+  engine_.color.setConstant(0.3f);
+  const TrainingSummary summary = Run({1});
+  EXPECT_NEAR(summary.held_out_psnr, 20, 1e-3);
+  EXPECT_EQ(progress_.updates.front().held_out_psnr, -1);
+  EXPECT_NEAR(progress_.updates.back().held_out_psnr, 20, 1e-3);
+  // Now and then on the way.
+  EXPECT_NEAR(
+      progress_.updates[progress_.updates.size() / 2].held_out_psnr, 20, 1e-3);
+}
+
+TEST_F(TrainerTest, PerfectPicturesHaveAFinitePsnr) {
+  scene_.views[1].image = PlainImage(16, 12, 255);
+  engine_.color.setOnes();
+  EXPECT_NEAR(Run({1}).held_out_psnr, 120, 1e-3);
+}
+
+TEST_F(TrainerTest, MaskedPixelsAreNotCompared) {
+  View& view = scene_.views[1];
+  view.image = PlainImage(16, 12, 102);
+  view.mask.assign(16 * 12, 255);
+  for (int i = 0; i < 100; ++i) {
+    view.mask[i] = 0;
+    for (int c = 0; c < 3; ++c) {
+      view.image.data[3 * i + c] = 255;
+    }
+  }
+  engine_.color.setConstant(0.3f);
+  EXPECT_NEAR(Run({1}).held_out_psnr, 20, 1e-3);
+  // Nothing left to compare.
+  view.mask.assign(16 * 12, 0);
+  EXPECT_EQ(Run({1}).held_out_psnr, -1);
+}
+
+}  // namespace
+}  // namespace structnerf
