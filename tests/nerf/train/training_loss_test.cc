@@ -1,0 +1,354 @@
+// Values and derivatives of the training objective's terms. Which rays are
+// drawn is in training_objective_test.cc.
+
+#include "nerf/train/training_objective.h"
+#include "nerf/util/random.h"
+#include "tests/nerf/engine/random_scene.h"
+#include "tests/nerf/train/objective_scene.h"
+
+#include <cmath>
+#include <functional>
+#include <numeric>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace structnerf {
+namespace {
+
+double Value(const LossValues& losses, const LossTerm term) {
+  return losses[static_cast<size_t>(term)];
+}
+
+double Sum(const LossValues& losses) {
+  return std::accumulate(losses.begin(), losses.end(), 0.0);
+}
+
+// Every term off but the colour.
+void OnlyColor(LossOptions* options) {
+  options->patch_weight = 0;
+  options->planar_weight = 0;
+  options->sparse_weight = 0;
+  options->prior_weight = 0;
+}
+
+// Losses of one step, with outputs that differ from the truth by what `change`
+// makes of them.
+LossValues EvaluateStep(const ObjectiveScene& test,
+                        const int step,
+                        const std::function<void(RayOutputs*)>& change) {
+  const TrainingObjective objective = test.MakeObjective();
+  const auto tile_objective = objective.MakeTileObjective();
+  LossValues sum = {};
+  for (int tile = 0; tile < objective.NumTiles(); ++tile) {
+    RayTile rays;
+    tile_objective->DrawRays(step, tile, &rays);
+    RayOutputs outputs = test.TrueOutputs(rays);
+    change(&outputs);
+    RayGradients gradients;
+    const LossValues losses = tile_objective->Evaluate(outputs, &gradients);
+    for (size_t term = 0; term < sum.size(); ++term) {
+      sum[term] += losses[term];
+    }
+  }
+  return sum;
+}
+
+void ScaleDepth(const float factor, RayOutputs* outputs) {
+  for (float& depth : outputs->depth) {
+    depth *= factor;
+  }
+}
+
+TEST(TrainingLoss, TheTruthCostsNextToNothing) {
+  const LossValues losses =
+      EvaluateStep(ObjectiveScene(), 0, [](RayOutputs*) {});
+  EXPECT_NEAR(Value(losses, LossTerm::kColor), 0, 1e-9);
+  EXPECT_LT(Value(losses, LossTerm::kPatch), 0.02);
+  EXPECT_GT(Value(losses, LossTerm::kPatch), 0);
+  EXPECT_NEAR(Value(losses, LossTerm::kPlanar), 0, 1e-6);
+  EXPECT_NEAR(Value(losses, LossTerm::kSparse), 0, 1e-9);
+  // The wall is interpolated well.
+  EXPECT_LT(Value(losses, LossTerm::kPrior), 1e-3);
+}
+
+TEST(TrainingLoss, ColorByHand) {
+  ObjectiveScene test;
+  OnlyColor(&test.loss);
+  test.loss.color_weight = 2;
+  // The mean over rays of the sum over channels, however many rays.
+  for (const int rays_per_step : {32, 64, 512}) {
+    test.training.rays_per_step = rays_per_step;
+    const LossValues losses = EvaluateStep(test, 0, [](RayOutputs* outputs) {
+      for (int ray = 0; ray < kMaxTileRays; ++ray) {
+        outputs->color[0][ray] += 0.1f;
+        outputs->color[2][ray] -= 0.2f;
+      }
+    });
+    EXPECT_NEAR(Value(losses, LossTerm::kColor), 2 * (0.01 + 0.04), 1e-6);
+    EXPECT_EQ(Sum(losses), Value(losses, LossTerm::kColor));
+  }
+}
+
+TEST(TrainingLoss, SparseByHand) {
+  ObjectiveScene test;
+  OnlyColor(&test.loss);
+  test.loss.sparse_weight = 3;
+  // All errors equal: each weighs exp(-1).
+  for (SparsePoint& point : test.scene.points) {
+    point.error = 0.7;
+  }
+  for (const int rays_per_step : {32, 256}) {
+    test.training.rays_per_step = rays_per_step;
+    // 10 % too far, and spread by 20 % of the point's depth.
+    const LossValues losses = EvaluateStep(test, 0, [](RayOutputs* outputs) {
+      for (int ray = 0; ray < kMaxTileRays; ++ray) {
+        outputs->depth_variance[ray] =
+            std::pow(0.2f * outputs->depth[ray], 2.0f);
+        outputs->depth[ray] *= 1.1f;
+      }
+    });
+    EXPECT_NEAR(Value(losses, LossTerm::kSparse),
+                3 * std::exp(-1.0) * (0.01 + 0.04),
+                2e-6);
+  }
+}
+
+TEST(TrainingLoss, PriorByHand) {
+  ObjectiveScene test;
+  OnlyColor(&test.loss);
+  test.loss.prior_weight = 0.5;
+  test.MakeFrontal();
+  const LossValues losses = EvaluateStep(
+      test, 0, [](RayOutputs* outputs) { ScaleDepth(0.9f, outputs); });
+  EXPECT_NEAR(Value(losses, LossTerm::kPrior), 0.5 * 0.01, 1e-6);
+}
+
+TEST(TrainingLoss, SparseEndsAndPriorFades) {
+  ObjectiveScene test;
+  test.MakeFrontal();
+  test.loss.sparse_fraction = 0.5;
+  test.loss.prior_fraction = 0.4;
+  std::vector<LossValues> losses;
+  for (int step = 0; step < 100; ++step) {
+    losses.push_back(EvaluateStep(
+        test, step, [](RayOutputs* outputs) { ScaleDepth(1.2f, outputs); }));
+  }
+  for (int step = 0; step < 100; ++step) {
+    if (step < 50) {
+      EXPECT_GT(Value(losses[step], LossTerm::kSparse), 1e-3) << step;
+    } else {
+      EXPECT_EQ(Value(losses[step], LossTerm::kSparse), 0) << step;
+    }
+    if (step < 40) {
+      EXPECT_NEAR(Value(losses[step], LossTerm::kPrior),
+                  Value(losses[0], LossTerm::kPrior) * (1 - step / 40.0),
+                  1e-4 * Value(losses[0], LossTerm::kPrior))
+          << step;
+      EXPECT_GT(Value(losses[step], LossTerm::kPrior), 0) << step;
+    } else {
+      EXPECT_EQ(Value(losses[step], LossTerm::kPrior), 0) << step;
+    }
+    EXPECT_GT(Value(losses[step], LossTerm::kPatch), 0) << step;
+    EXPECT_GT(Value(losses[step], LossTerm::kPlanar), -1e-9) << step;
+  }
+}
+
+TEST(TrainingLoss, FractionsOfZeroAndOne) {
+  ObjectiveScene test;
+  test.loss.sparse_fraction = 0;
+  test.loss.prior_fraction = 0;
+  const auto evaluate = [&](const int step) {
+    return EvaluateStep(
+        test, step, [](RayOutputs* outputs) { ScaleDepth(1.2f, outputs); });
+  };
+  EXPECT_EQ(Value(evaluate(0), LossTerm::kSparse), 0);
+  EXPECT_EQ(Value(evaluate(0), LossTerm::kPrior), 0);
+  test.loss.sparse_fraction = 1;
+  test.loss.prior_fraction = 1;
+  EXPECT_GT(Value(evaluate(99), LossTerm::kSparse), 0);
+  EXPECT_GT(Value(evaluate(99), LossTerm::kPrior), 0);
+}
+
+// A point of three times the error of another counts exp(-2) of it.
+TEST(TrainingLoss, PointsWeighByTheirError) {
+  ObjectiveScene test;
+  OnlyColor(&test.loss);
+  test.loss.sparse_weight = 1;
+  test.scene.points.clear();
+  test.AddPoint(0.1, 0.1, 0.5);
+  test.AddPoint(-0.1, -0.05, 1.5);
+  const TrainingObjective objective = test.MakeObjective();
+  const auto tile_objective = objective.MakeTileObjective();
+  double smallest = 1e9;
+  double largest = 0;
+  for (int tile = 0; tile < objective.NumTiles(); ++tile) {
+    RayTile rays;
+    tile_objective->DrawRays(0, tile, &rays);
+    RayGradients gradients;
+    tile_objective->Evaluate(test.TrueOutputs(rays), &gradients);
+    for (int ray = 0; ray < rays.num_rays; ++ray) {
+      if (gradients.pull[ray] > 0) {
+        smallest = std::min<double>(smallest, gradients.pull[ray]);
+        largest = std::max<double>(largest, gradients.pull[ray]);
+        EXPECT_NEAR(gradients.pull_z[ray],
+                    test.TrueDepth(test.Identify(rays, ray)),
+                    1e-5);
+      }
+    }
+  }
+  EXPECT_NEAR(smallest / largest, std::exp(-2.25) / std::exp(-0.25), 1e-5);
+}
+
+// The same scene in millimetres and kilometres.
+TEST(TrainingLoss, DoesNotDependOnTheScaleOfTheWorld) {
+  const auto evaluate = [](const double scale) {
+    ObjectiveScene test;
+    test.plane.point *= scale;
+    for (View& view : test.scene.views) {
+      view.cam_from_world_translation *= scale;
+    }
+    for (SparsePoint& point : test.scene.points) {
+      point.xyz *= scale;
+    }
+    test.frame = ComputeSceneFrame(test.scene);
+    return EvaluateStep(
+        test, 0, [](RayOutputs* outputs) { ScaleDepth(1.15f, outputs); });
+  };
+  const LossValues expected = evaluate(1);
+  for (const double scale : {1e-3, 1e3}) {
+    const LossValues losses = evaluate(scale);
+    for (size_t term = 0; term < losses.size(); ++term) {
+      EXPECT_NEAR(losses[term], expected[term], 1e-4 * expected[term] + 1e-7)
+          << "term " << term;
+    }
+  }
+}
+
+// The derivatives belong to the value that is reported, in every output of
+// every ray, all terms at once.
+TEST(TrainingLoss, GradientsAreThoseOfTheReportedValue) {
+  ObjectiveScene test;
+  test.loss.color_weight = 0.7;
+  test.loss.patch_weight = 1.3;
+  test.loss.planar_weight = 0.6;
+  test.loss.sparse_weight = 0.9;
+  test.loss.prior_weight = 0.4;
+  const TrainingObjective objective = test.MakeObjective();
+  const auto tile_objective = objective.MakeTileObjective();
+  Random random(5);
+  int num_depths = 0;
+  int num_kinks = 0;
+  for (int tile = 0; tile < objective.NumTiles(); ++tile) {
+    RayTile rays;
+    tile_objective->DrawRays(10, tile, &rays);
+    RayOutputs outputs = test.TrueOutputs(rays);
+    for (int ray = 0; ray < rays.num_rays; ++ray) {
+      outputs.depth[ray] *= 0.9f + 0.2f * random.NextFloat();
+      outputs.depth_variance[ray] = 1e-3f * random.NextFloat();
+      for (PerRay<float>& channel : outputs.color) {
+        channel[ray] += random.NextFloat() - 0.5f;
+      }
+    }
+    RayGradients gradients;
+    tile_objective->Evaluate(outputs, &gradients);
+    const auto evaluate = [&](float* const value, const double at) {
+      const float center = *value;
+      *value = static_cast<float>(at);
+      RayGradients ignored;
+      const double loss = Sum(tile_objective->Evaluate(outputs, &ignored));
+      *value = center;
+      return loss;
+    };
+    // One-sided differences, to notice the kinks of the patch loss.
+    const auto differentiate =
+        [&](float* const value, const float h, double* left, double* right) {
+          const double center = evaluate(value, *value);
+          const float above = *value + h;
+          const float below = *value - h;
+          *right = (evaluate(value, above) - center) /
+                   (static_cast<double>(above) - *value);
+          *left = (center - evaluate(value, below)) /
+                  (static_cast<double>(*value) - below);
+        };
+    for (int ray = 0; ray < rays.num_rays; ++ray) {
+      double left;
+      double right;
+      for (int c = 0; c < 3; ++c) {
+        differentiate(&outputs.color[c][ray], 1e-3f, &left, &right);
+        EXPECT_NEAR(gradients.d_color[c][ray], 0.5 * (left + right), 1e-6);
+      }
+      const double z = gradients.pull_z[ray];
+      const double pull =
+          gradients.pull[ray] != 0 ? gradients.pull[ray] / (z * z) : 0.0;
+      differentiate(&outputs.depth_variance[ray], 1e-4f, &left, &right);
+      EXPECT_NEAR(pull, 0.5 * (left + right), 1e-3 * pull + 1e-6);
+
+      differentiate(&outputs.depth[ray], 1e-4f, &left, &right);
+      const double expected =
+          gradients.d_depth[ray] + 2 * pull * (outputs.depth[ray] - z);
+      const double scale = 1e-3 + std::abs(left) + std::abs(right);
+      ++num_depths;
+      if (std::abs(right - left) > 0.05 * scale) {
+        ++num_kinks;
+        continue;
+      }
+      EXPECT_NEAR(0.5 * (left + right), expected, 0.03 * scale)
+          << "ray " << ray << " of tile " << tile;
+    }
+  }
+  EXPECT_LT(num_kinks, 0.1 * num_depths);
+}
+
+// Down the whole chain: sampling, networks, rendering, losses. The derivative
+// of the reported loss along the gradient is the gradient's length.
+TEST(TrainingLoss, EngineDescendsWhatIsReported) {
+  ObjectiveScene test;
+  // Without the patch loss, whose kinks a step of this size meets.
+  test.loss.patch_weight = 0;
+  const TrainingObjective objective = test.MakeObjective();
+  EngineOptions options;
+  options.field.num_levels = 2;
+  options.field.log2_table_size = 10;
+  options.field.max_resolution = 32;
+  options.extent = test.frame.extent;
+  options.num_threads = 1;
+  // Each evaluation has its own engine: accumulating teaches the density cache.
+  const auto accumulate = [&](const FieldParameters& parameters,
+                              FieldParameters* gradients) {
+    const auto engine = MakeFusedEngine(options);
+    engine->SetParameters(parameters);
+    std::vector<std::unique_ptr<TileObjective>> objectives;
+    objectives.push_back(objective.MakeTileObjective());
+    StepParameters step;
+    step.step = 5;
+    step.num_tiles = objective.NumTiles();
+    const LossValues losses = engine->Accumulate(step, objectives);
+    *gradients = engine->Gradients();
+    return Sum(losses);
+  };
+  const FieldLayout layout(options.field, options.extent);
+  const FieldParameters parameters = RandomParameters(layout, 1.0f, 4.0f, 3);
+  FieldParameters gradients;
+  accumulate(parameters, &gradients);
+  double squared_norm = 0;
+  for (const float g : gradients.network) {
+    squared_norm += static_cast<double>(g) * g;
+  }
+  const double norm = std::sqrt(squared_norm);
+  ASSERT_GT(norm, 1e-3);
+  const auto moved = [&](const double distance) {
+    FieldParameters result = parameters;
+    for (size_t i = 0; i < result.network.size(); ++i) {
+      result.network[i] +=
+          static_cast<float>(distance * gradients.network[i] / norm);
+    }
+    FieldParameters ignored;
+    return accumulate(result, &ignored);
+  };
+  const double h = 2e-3;
+  EXPECT_NEAR((moved(h) - moved(-h)) / (2 * h), norm, 0.01 * norm);
+}
+
+}  // namespace
+}  // namespace structnerf
