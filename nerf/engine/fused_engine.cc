@@ -1,10 +1,9 @@
+#include "nerf/engine/fused_grid.h"
 #include "nerf/engine/fused_network.h"
 #include "nerf/engine/render_engine.h"
 #include "nerf/engine/tile_sampling.h"
 #include "nerf/kernels/adam.h"
 #include "nerf/kernels/compositing.h"
-#include "nerf/kernels/grid_encoding.h"
-#include "nerf/kernels/half_precision.h"
 #include "nerf/util/aligned_buffer.h"
 #include "nerf/util/thread_pool.h"
 
@@ -17,26 +16,8 @@
 namespace structnerf {
 namespace {
 
-// Samples whose grid corners are computed at a time; the corners of one level
-// then stay in the first-level cache.
-constexpr size_t kCornerChunk = 128;
-
 // Cells of the density cache that are evaluated per task.
 constexpr size_t kRefreshChunk = 512;
-
-// Corners of a chunk of samples at one level.
-struct CornerBuffer {
-  alignas(64) uint32_t entries[8 * kCornerChunk];
-  alignas(64) float weights[8 * kCornerChunk];
-};
-
-// One level of the table with everything its update needs.
-struct LevelStorage {
-  AlignedBuffer<hwy::float16_t> table;  // what rays read
-  AlignedBuffer<GridEntryState> state;  // what Adam updates
-  AlignedBuffer<float> gradient;
-  AlignedBuffer<uint64_t> touched_blocks;
-};
 
 // What one thread needs to render a tile, allocated once.
 struct TileBuffers {
@@ -51,6 +32,7 @@ struct TileBuffers {
         weight(kMaxTileRays * num_samples),
         z(kMaxTileRays * num_samples),
         d_weight_color(kMaxTileRays * num_samples),
+        d_encoding(kMaxTileRays * num_samples * layout.encoding_width),
         active(kMaxTileRays * num_samples),
         direction(kMaxTileRays * kDirectionWidth) {}
 
@@ -62,10 +44,10 @@ struct TileBuffers {
   AlignedBuffer<float> weight;
   AlignedBuffer<float> z;
   AlignedBuffer<float> d_weight_color;
+  AlignedBuffer<float> d_encoding;
   AlignedBuffer<uint32_t> active;  // samples whose colour is evaluated
   AlignedBuffer<float> direction;  // rays x kDirectionWidth
   PerRay<float> color_weight;      // sum of the weights of active samples
-  CornerBuffer corners;
 };
 
 class FusedEngine : public RenderEngine {
@@ -77,7 +59,10 @@ class FusedEngine : public RenderEngine {
         cache_(options.sampling.cache_resolution,
                options.extent,
                options.initial_density),
-        pool_(options.num_threads) {
+        pool_(options.num_threads),
+        grid_(layout_,
+              kMaxTileRays * options.sampling.num_samples,
+              pool_.NumThreads()) {
     sampling_.num_bins = options.sampling.num_bins;
     sampling_.num_samples = options.sampling.num_samples;
     sampling_.uniform_share =
@@ -85,15 +70,6 @@ class FusedEngine : public RenderEngine {
     for (int i = 0; i < pool_.NumThreads(); ++i) {
       buffers_.push_back(
           std::make_unique<TileBuffers>(layout_, sampling_.num_samples));
-    }
-    for (const GridLevel& level : layout_.levels) {
-      const size_t num_entries = (level.num_entries + 7) / 8 * 8;
-      LevelStorage storage;
-      storage.table.Allocate(num_entries * kGridFeatures);
-      storage.state.Allocate(num_entries);
-      storage.gradient.Allocate(num_entries * kGridFeatures);
-      storage.touched_blocks.Allocate(num_entries / 512 + 1);
-      levels_.push_back(std::move(storage));
     }
     network_gradient_.Allocate(layout_.num_network_parameters);
     network_first_moment_.Allocate(layout_.num_network_parameters);
@@ -113,6 +89,7 @@ class FusedEngine : public RenderEngine {
       const std::vector<std::unique_ptr<TileObjective>>& objectives) override {
     level_weights_ = step.level_weights;
     ReserveTiles(step.num_tiles);
+    first_grid_tile_ = grid_.AddTiles(step.num_tiles);
     pool_.ParallelFor(step.num_tiles, [&](const size_t tile, const int thread) {
       AccumulateTile(
           step, static_cast<int>(tile), objectives[thread].get(), thread);
@@ -135,12 +112,6 @@ class FusedEngine : public RenderEngine {
         network_gradient_[i] += gradient[i];
       }
     }
-    ForEachTableRange([&](const size_t level,
-                          const uint32_t entry_begin,
-                          const uint32_t entry_end,
-                          const int thread) {
-      ScatterRange(step, level, entry_begin, entry_end, thread);
-    });
     return losses;
   }
 
@@ -153,26 +124,8 @@ class FusedEngine : public RenderEngine {
     // first update has the size of the learning rate as it is.
     const double correction1 = 1 - std::pow(step.beta1, num_updates_);
     const double correction2 = 1 - std::pow(step.beta2, num_updates_);
-    std::vector<char> is_finite(levels_.size() * NumRangesPerLevel(), true);
     step.learning_rate = grid_learning_rate;
-    ForEachTableRange([&](const size_t level,
-                          const uint32_t entry_begin,
-                          const uint32_t entry_end,
-                          const int) {
-      LevelStorage& storage = levels_[level];
-      if (!AdamUpdateGrid(step,
-                          entry_begin / 8,
-                          entry_end / 8,
-                          storage.touched_blocks.data(),
-                          storage.gradient.data(),
-                          storage.state.data(),
-                          storage.table.data())) {
-        is_finite[level * NumRangesPerLevel() +
-                  entry_begin / EntriesPerRange(level)] = false;
-      }
-    });
-    bool all_finite = std::all_of(
-        is_finite.begin(), is_finite.end(), [](const char f) { return f; });
+    const bool grid_finite = grid_.Update(step, &pool_);
     bool network_finite = true;
     for (size_t i = 0; i < layout_.num_network_parameters; ++i) {
       network_finite &= std::abs(network_gradient_[i]) < kMaxGradient;
@@ -191,7 +144,7 @@ class FusedEngine : public RenderEngine {
     std::fill(network_gradient_.data(),
               network_gradient_.data() + network_gradient_.size(),
               0.0f);
-    return all_finite && network_finite;
+    return grid_finite && network_finite;
   }
 
   void RefreshDensityCache(const float decay) override {
@@ -214,11 +167,13 @@ class FusedEngine : public RenderEngine {
                         const size_t begin = chunk * chunk_size;
                         const size_t size = std::min(chunk_size, count - begin);
                         TileBuffers& buffers = *buffers_[thread];
-                        EncodePositions(refresh_position_[0].data() + begin,
-                                        refresh_position_[1].data() + begin,
-                                        refresh_position_[2].data() + begin,
-                                        size,
-                                        &buffers);
+                        grid_.Encode(refresh_position_[0].data() + begin,
+                                     refresh_position_[1].data() + begin,
+                                     refresh_position_[2].data() + begin,
+                                     size,
+                                     level_weights_,
+                                     thread,
+                                     buffers.network.encoding.data());
                         network_.ForwardDensity(size, &buffers.network);
                         for (size_t i = 0; i < size; ++i) {
                           refresh_density_[begin + i] =
@@ -234,41 +189,25 @@ class FusedEngine : public RenderEngine {
     outputs->resize(tiles.size());
     pool_.ParallelFor(tiles.size(), [&](const size_t tile, const int thread) {
       TileBuffers& buffers = *buffers_[thread];
-      ForwardTile(
-          tiles[tile], nullptr, with_color, &buffers, &(*outputs)[tile]);
+      ForwardTile(tiles[tile],
+                  nullptr,
+                  with_color,
+                  thread,
+                  &buffers,
+                  &(*outputs)[tile]);
     });
   }
 
   FieldParameters Parameters() const override {
     FieldParameters parameters;
-    parameters.grid.resize(layout_.num_grid_entries * kGridFeatures);
-    for (size_t level = 0; level < levels_.size(); ++level) {
-      float* const values = parameters.grid.data() +
-                            layout_.levels[level].first_entry * kGridFeatures;
-      for (size_t entry = 0; entry < levels_[level].state.size(); ++entry) {
-        std::memcpy(values + entry * kGridFeatures,
-                    levels_[level].state[entry].value,
-                    kGridFeatures * sizeof(float));
-      }
-    }
+    parameters.grid = grid_.Parameters();
     parameters.network.assign(network_values_.data(),
                               network_values_.data() + network_values_.size());
     return parameters;
   }
 
   void SetParameters(const FieldParameters& parameters) override {
-    for (size_t level = 0; level < levels_.size(); ++level) {
-      const float* const values =
-          parameters.grid.data() +
-          layout_.levels[level].first_entry * kGridFeatures;
-      LevelStorage& storage = levels_[level];
-      for (size_t entry = 0; entry < storage.state.size(); ++entry) {
-        std::memcpy(storage.state[entry].value,
-                    values + entry * kGridFeatures,
-                    kGridFeatures * sizeof(float));
-      }
-      HalfFromFloat(values, storage.table.size(), storage.table.data());
-    }
+    grid_.SetParameters(parameters.grid);
     network_values_.Allocate(layout_.num_network_parameters);
     std::copy(parameters.network.begin(),
               parameters.network.end(),
@@ -278,13 +217,7 @@ class FusedEngine : public RenderEngine {
 
   FieldParameters Gradients() const override {
     FieldParameters gradients;
-    gradients.grid.resize(layout_.num_grid_entries * kGridFeatures);
-    for (size_t level = 0; level < levels_.size(); ++level) {
-      std::copy(levels_[level].gradient.data(),
-                levels_[level].gradient.data() + levels_[level].gradient.size(),
-                gradients.grid.begin() +
-                    layout_.levels[level].first_entry * kGridFeatures);
-    }
+    gradients.grid = grid_.Gradients();
     gradients.network.assign(
         network_gradient_.data(),
         network_gradient_.data() + network_gradient_.size());
@@ -302,56 +235,10 @@ class FusedEngine : public RenderEngine {
     tile_num_samples_.resize(num_tiles);
     tile_network_gradients_.Allocate(num_tiles *
                                      layout_.num_network_parameters);
-    d_encoding_.Allocate(num_tiles * TileSamples() * layout_.encoding_width);
     for (AlignedBuffer<float>& position : step_position_) {
       position.Allocate(num_tiles * TileSamples() + 16);
     }
     step_density_.Allocate(num_tiles * TileSamples());
-  }
-
-  float LevelWeight(const size_t level) const {
-    return level_weights_.empty() ? 1.0f : level_weights_[level];
-  }
-
-  void EncodePositions(const float* x,
-                       const float* y,
-                       const float* z,
-                       const size_t num_samples,
-                       TileBuffers* buffers) const {
-    float* const encoding = buffers->network.encoding.data();
-    const size_t width = layout_.encoding_width;
-    CornerBuffer& corners = buffers->corners;
-    for (size_t begin = 0; begin < num_samples; begin += kCornerChunk) {
-      const size_t size = std::min(kCornerChunk, num_samples - begin);
-      for (size_t level = 0; level < levels_.size(); ++level) {
-        float* const features =
-            encoding + begin * width + level * kGridFeatures;
-        if (LevelWeight(level) == 0) {
-          for (size_t s = 0; s < size; ++s) {
-            std::fill(features + s * width,
-                      features + s * width + kGridFeatures,
-                      0.0f);
-          }
-          continue;
-        }
-        GridCorners(layout_.levels[level],
-                    x + begin,
-                    y + begin,
-                    z + begin,
-                    size,
-                    kCornerChunk,
-                    corners.entries,
-                    corners.weights);
-        GridInterpolate(levels_[level].table.data(),
-                        corners.entries,
-                        corners.weights,
-                        size,
-                        kCornerChunk,
-                        LevelWeight(level),
-                        width,
-                        features);
-      }
-    }
   }
 
   CompositeInputs MakeCompositeInputs(const RayTile& rays,
@@ -377,6 +264,7 @@ class FusedEngine : public RenderEngine {
   size_t ForwardTile(const RayTile& rays,
                      Random* random,
                      const bool with_color,
+                     const int thread,
                      TileBuffers* buffers,
                      RayOutputs* outputs) const {
     const size_t n = sampling_.num_samples;
@@ -389,11 +277,13 @@ class FusedEngine : public RenderEngine {
                buffers->position[0].data(),
                buffers->position[1].data(),
                buffers->position[2].data());
-    EncodePositions(buffers->position[0].data(),
-                    buffers->position[1].data(),
-                    buffers->position[2].data(),
-                    num_samples,
-                    buffers);
+    grid_.Encode(buffers->position[0].data(),
+                 buffers->position[1].data(),
+                 buffers->position[2].data(),
+                 num_samples,
+                 level_weights_,
+                 thread,
+                 buffers->network.encoding.data());
     network_.ForwardDensity(num_samples, &buffers->network);
     CompositeForward(MakeCompositeInputs(rays, *buffers),
                      MakeCompositeSamples(buffers),
@@ -449,7 +339,7 @@ class FusedEngine : public RenderEngine {
     Random random(options_.seed, step.step, tile);
     RayOutputs outputs;
     const size_t num_active =
-        ForwardTile(rays, &random, true, &buffers, &outputs);
+        ForwardTile(rays, &random, true, thread, &buffers, &outputs);
     RayGradients gradients;
     tile_losses_[tile] = objective->Evaluate(outputs, &gradients);
 
@@ -501,11 +391,18 @@ class FusedEngine : public RenderEngine {
                       MakeCompositeSamples(&buffers),
                       composite_gradients,
                       buffers.network.d_raw_density.data());
-    network_.BackwardDensity(
-        num_samples,
-        &buffers.network,
-        network_gradient,
-        d_encoding_.data() + tile * TileSamples() * layout_.encoding_width);
+    network_.BackwardDensity(num_samples,
+                             &buffers.network,
+                             network_gradient,
+                             buffers.d_encoding.data());
+    grid_.SetTileGradient(first_grid_tile_ + tile,
+                          buffers.position[0].data(),
+                          buffers.position[1].data(),
+                          buffers.position[2].data(),
+                          num_samples,
+                          level_weights_,
+                          buffers.d_encoding.data(),
+                          thread);
     for (int axis = 0; axis < 3; ++axis) {
       std::copy(buffers.position[axis].data(),
                 buffers.position[axis].data() + num_samples,
@@ -517,90 +414,15 @@ class FusedEngine : public RenderEngine {
     }
   }
 
-  // The table is cut into ranges that threads own while they scatter and
-  // update. Whatever the ranges, an entry's contributions arrive in the order
-  // of the samples, so the result does not depend on them.
-  size_t NumRangesPerLevel() const {
-    const size_t num_threads = pool_.NumThreads();
-    return num_threads == 1
-               ? 1
-               : (2 * num_threads + levels_.size() - 1) / levels_.size();
-  }
-
-  // A multiple of 512 entries, one word of the bitmap of touched blocks.
-  uint32_t EntriesPerRange(const size_t level) const {
-    const size_t words = (levels_[level].state.size() + 511) / 512;
-    const size_t num_ranges = NumRangesPerLevel();
-    return static_cast<uint32_t>((words + num_ranges - 1) / num_ranges * 512);
-  }
-
-  template <typename Body>
-  void ForEachTableRange(const Body& body) {
-    const size_t num_ranges = NumRangesPerLevel();
-    pool_.ParallelFor(
-        levels_.size() * num_ranges, [&](const size_t item, const int thread) {
-          // Fine levels, the most expensive, first.
-          const size_t level = levels_.size() - 1 - item / num_ranges;
-          const uint32_t size = EntriesPerRange(level);
-          const uint32_t num_entries =
-              static_cast<uint32_t>(levels_[level].state.size());
-          const uint32_t begin = std::min<uint32_t>(
-              num_entries, static_cast<uint32_t>(item % num_ranges) * size);
-          const uint32_t end = std::min(num_entries, begin + size);
-          if (begin < end) {
-            body(level, begin, end, thread);
-          }
-        });
-  }
-
-  void ScatterRange(const StepParameters& step,
-                    const size_t level,
-                    const uint32_t entry_begin,
-                    const uint32_t entry_end,
-                    const int thread) {
-    if (LevelWeight(level) == 0) {
-      return;
-    }
-    CornerBuffer& corners = buffers_[thread]->corners;
-    const size_t width = layout_.encoding_width;
-    for (int tile = 0; tile < step.num_tiles; ++tile) {
-      const size_t first = tile * TileSamples();
-      for (size_t begin = 0; begin < tile_num_samples_[tile];
-           begin += kCornerChunk) {
-        const size_t size =
-            std::min(kCornerChunk, tile_num_samples_[tile] - begin);
-        const size_t s = first + begin;
-        GridCorners(layout_.levels[level],
-                    step_position_[0].data() + s,
-                    step_position_[1].data() + s,
-                    step_position_[2].data() + s,
-                    size,
-                    kCornerChunk,
-                    corners.entries,
-                    corners.weights);
-        GridScatter(d_encoding_.data() + s * width + level * kGridFeatures,
-                    corners.entries,
-                    corners.weights,
-                    size,
-                    kCornerChunk,
-                    LevelWeight(level),
-                    width,
-                    entry_begin,
-                    entry_end,
-                    levels_[level].gradient.data(),
-                    levels_[level].touched_blocks.data());
-      }
-    }
-  }
-
   const EngineOptions options_;
   const FieldLayout layout_;
   RaySamplingParameters sampling_;
   FusedNetwork network_;
   DensityCache cache_;
   ThreadPool pool_;
+  FusedGrid grid_;
+  size_t first_grid_tile_ = 0;  // of the current step
 
-  std::vector<LevelStorage> levels_;
   std::vector<float> level_weights_;  // empty = all one
   AlignedBuffer<float> network_values_;
   AlignedBuffer<float> network_gradient_;
@@ -614,7 +436,6 @@ class FusedEngine : public RenderEngine {
   std::vector<LossValues> tile_losses_;
   std::vector<size_t> tile_num_samples_;
   AlignedBuffer<float> tile_network_gradients_;
-  AlignedBuffer<float> d_encoding_;
   AlignedBuffer<float> step_position_[3];
   AlignedBuffer<float> step_density_;  // raw
 

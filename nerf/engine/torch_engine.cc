@@ -170,6 +170,7 @@ class TorchEngine : public RenderEngine {
     const torch::NoGradGuard no_grad;
     ++num_updates_;
     const AdamStep step;
+    const double epsilon2 = std::pow(step.epsilon, 2);
     bool all_finite = true;
     if (grid_.grad().defined()) {
       const torch::Tensor gradient = grid_.grad();
@@ -186,8 +187,7 @@ class TorchEngine : public RenderEngine {
           (1 - step.beta2) * g * g;
       grid_moments_.first.index_copy_(0, rows, m);
       grid_moments_.second.index_copy_(0, rows, v);
-      grid_.index_add_(
-          0, rows, m / (v.sqrt() + step.epsilon), -grid_learning_rate);
+      grid_.index_add_(0, rows, m / (v + epsilon2).sqrt(), -grid_learning_rate);
       grid_.mutable_grad().zero_();
     }
     if (network_.grad().defined()) {
@@ -200,7 +200,7 @@ class TorchEngine : public RenderEngine {
             network_learning_rate *
             std::sqrt(1 - std::pow(step.beta2, num_updates_)) /
             (1 - std::pow(step.beta1, num_updates_));
-        network_.sub_(moments.first / (moments.second.sqrt() + step.epsilon),
+        network_.sub_(moments.first / (moments.second + epsilon2).sqrt(),
                       learning_rate);
       } else {
         all_finite = false;

@@ -8,37 +8,43 @@
 namespace structnerf {
 
 // Adam (Kingma and Ba 2015) without bias correction of its own: the caller
-// folds it into the learning rate and epsilon.
+// folds it into the learning rate. With gradient g,
+//   m = beta1 m + (1 - beta1) g,  v = beta2 v + (1 - beta2) g^2,
+//   value -= learning_rate m / sqrt(v + epsilon^2).
+// What is stored is m and the root of v.
 struct AdamStep {
   float learning_rate = 0;
   float beta1 = 0.9f;
   float beta2 = 0.99f;
 
-  // Added to the root of the second moment. Small against the gradients that
-  // matter, so that it only stops what is noise around zero.
+  // Small against the gradients that matter, so that it only stops what is
+  // noise around zero.
   float epsilon = 1e-10f;
 };
 
 // Gradients from here on count as not finite: their squares must not overflow.
 constexpr float kMaxGradient = 1e18f;
 
-// Master copies of kGridFeatures numbers and their moments, next to each other
-// since they are always used together.
-struct GridEntryState {
+// Master copies of the features of a grid entry and their moments, in one cache
+// line: the optimiser's time goes into moving these. Moments are rounded to 16
+// bits of a float, m without the lower 16, the root of v without the sign and
+// the lower 15. It then differs from its exact value by less than a fall
+// through (1 - beta2) / 2 in one step, so it cannot get stuck; step sizes come
+// out right within a few percent.
+struct alignas(64) GridEntryState {
   float value[8];
-  float first_moment[8];
-  float second_moment[8];
+  uint16_t first_moment[8];
+  uint16_t root_second_moment[8];
 };
+static_assert(sizeof(GridEntryState) == 64);
 
-// Updates the grid entries of the touched blocks of 8 entries in
-// [block_begin, block_end), skips entries whose gradient is zero, writes the
-// half-precision copies and clears gradients and bits. Arrays start at the
-// level's first entry; block_begin and block_end are multiples of 64.
-// Returns false, and leaves the entry as it was, if a gradient was not finite.
+// Updates the listed grid entries, skipping those whose gradient is zero,
+// writes the half-precision copies and clears the gradients. Arrays have
+// kGridFeatures numbers per entry and start at the same one. Returns false, and
+// leaves the entry as it was, if a gradient was not finite.
 bool AdamUpdateGrid(const AdamStep& step,
-                    size_t block_begin,
-                    size_t block_end,
-                    uint64_t* touched_blocks,
+                    const uint16_t* entries,
+                    size_t num_entries,
                     float* gradient,
                     GridEntryState* state,
                     hwy::float16_t* table);
@@ -48,7 +54,7 @@ void AdamUpdate(const AdamStep& step,
                 size_t count,
                 const float* gradient,
                 float* first_moment,
-                float* second_moment,
+                float* root_second_moment,
                 float* value);
 
 }  // namespace structnerf

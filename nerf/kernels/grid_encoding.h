@@ -1,6 +1,7 @@
 #pragma once
 
 #include "nerf/field/field_layout.h"
+#include "nerf/kernels/grid_gradient.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -23,6 +24,19 @@ void GridCorners(const GridLevel& level,
                  uint32_t* entries,
                  float* weights);
 
+// The same corners in pairs of neighbours along x, for the gradient. Pair p of
+// sample s is at [p * stride + s]; a bucket's entries are kBucketEntries, and
+// `buckets` has the bucket of the first corner in its low, that of the second
+// in its high 16 bits.
+void GridCornerPairs(const GridLevel& level,
+                     const float* x,
+                     const float* y,
+                     const float* z,
+                     size_t num_samples,
+                     size_t stride,
+                     uint32_t* buckets,
+                     CornerPair* pairs);
+
 // encoding[s * encoding_width + f] = scale * sum_c weights * table[entry][f]
 // for the kGridFeatures features f of one level; `table` and `encoding` point
 // at the level's first entry and first feature.
@@ -34,21 +48,5 @@ void GridInterpolate(const hwy::float16_t* table,
                      float scale,
                      size_t encoding_width,
                      float* encoding);
-
-// The reverse: gradient[entry][f] += scale * weight * d_encoding. Entries
-// outside [entry_begin, entry_end) are left out, so that threads can own ranges
-// of the table. Bit b of `touched_blocks` is set if an entry in [b * 8, b * 8 +
-// 8) got something.
-void GridScatter(const float* d_encoding,
-                 const uint32_t* entries,
-                 const float* weights,
-                 size_t num_samples,
-                 size_t stride,
-                 float scale,
-                 size_t encoding_width,
-                 uint32_t entry_begin,
-                 uint32_t entry_end,
-                 float* gradient,
-                 uint64_t* touched_blocks);
 
 }  // namespace structnerf

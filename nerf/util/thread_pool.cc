@@ -29,23 +29,22 @@ int ThreadPool::NumThreads() const {
   return static_cast<int>(workers_.size()) + 1;
 }
 
-void ThreadPool::ParallelFor(
-    const size_t num_items,
-    const std::function<void(size_t item, int thread)>& body) {
+void ThreadPool::Run(const Loop& loop) {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    body_ = &body;
-    num_items_ = num_items;
+    loop_ = loop;
     next_item_ = 0;
+    failed_ = false;
     error_ = nullptr;
-    num_busy_ = static_cast<int>(workers_.size());
+    loop_open_ = true;
     ++loop_id_;
   }
   work_ready_.notify_all();
-  RunItems(0);
+  RunItems(loop, 0);
+  // Whoever has not woken up by now is not waited for.
   std::unique_lock<std::mutex> lock(mutex_);
+  loop_open_ = false;
   work_done_.wait(lock, [this] { return num_busy_ == 0; });
-  body_ = nullptr;
   if (error_) {
     std::rethrow_exception(error_);
   }
@@ -53,42 +52,40 @@ void ThreadPool::ParallelFor(
 
 void ThreadPool::RunWorker(const int thread) {
   size_t last_loop_id = 0;
+  std::unique_lock<std::mutex> lock(mutex_);
   while (true) {
-    {
-      std::unique_lock<std::mutex> lock(mutex_);
-      work_ready_.wait(lock,
-                       [&] { return stopping_ || loop_id_ != last_loop_id; });
-      if (stopping_) {
-        return;
-      }
-      last_loop_id = loop_id_;
+    work_ready_.wait(lock, [&] {
+      return stopping_ || (loop_open_ && loop_id_ != last_loop_id);
+    });
+    if (stopping_) {
+      return;
     }
-    RunItems(thread);
-    {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      --num_busy_;
+    last_loop_id = loop_id_;
+    const Loop loop = loop_;
+    ++num_busy_;
+    lock.unlock();
+    RunItems(loop, thread);
+    lock.lock();
+    if (--num_busy_ == 0) {
+      work_done_.notify_one();
     }
-    work_done_.notify_one();
   }
 }
 
-void ThreadPool::RunItems(const int thread) {
-  while (true) {
-    size_t item;
-    {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      if (next_item_ >= num_items_ || error_) {
-        return;
-      }
-      item = next_item_++;
+void ThreadPool::RunItems(const Loop& loop, const int thread) {
+  while (!failed_) {
+    const size_t item = next_item_++;
+    if (item >= loop.num_items) {
+      return;
     }
     try {
-      (*body_)(item, thread);
+      loop.call(loop.body, item, thread);
     } catch (...) {
       const std::lock_guard<std::mutex> lock(mutex_);
       if (!error_) {
         error_ = std::current_exception();
       }
+      failed_ = true;
     }
   }
 }
