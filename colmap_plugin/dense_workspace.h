@@ -1,5 +1,6 @@
 #pragma once
 
+#include "colmap_plugin/stereo_maps.h"
 #include "nerf/dense_maps.h"
 
 #include <string>
@@ -14,14 +15,6 @@ enum class MapType { kPhotometric, kGeometric };
 
 // "photometric" or "geometric".
 std::string MapTypeName(MapType type);
-
-// The part of DenseMaps that COLMAP stores, same layout and conventions.
-struct StereoMaps {
-  int width = 0;
-  int height = 0;
-  std::vector<float> depth;   // width * height
-  std::vector<float> normal;  // three planes of width * height
-};
 
 // Paths and files of one folder in COLMAP's dense layout:
 //

@@ -1,6 +1,7 @@
 #include "colmap_plugin/input_check.h"
 
 #include "colmap_plugin/colmap_compat.h"
+#include "colmap_plugin/dense_workspace.h"
 #include "colmap_plugin/log_level.h"
 #include "colmap_plugin/masks.h"
 
@@ -159,6 +160,36 @@ void CheckMasks(const colmap::Reconstruction& reconstruction,
         "The mask folder " + mask_path + " has no mask for any image, e.g. " +
         MaskPath(mask_path, names.front()) +
         "; a mask is named like its image with .png appended.");
+  }
+}
+
+void CheckOutput(const StructNerfOptions& options,
+                 const std::vector<std::string>& image_names) {
+  const bool is_new = options.workspace_path.empty();
+  const std::string& path =
+      is_new ? options.output_path : options.workspace_path;
+  const DenseWorkspace workspace(path);
+  if (is_new && fs::exists(workspace.ImagesPath()) &&
+      fs::equivalent(workspace.ImagesPath(), options.image_path)) {
+    throw std::runtime_error("The output folder " + path +
+                             " would overwrite the original images in " +
+                             options.image_path + "; choose another one.");
+  }
+  if (options.overwrite) {
+    return;
+  }
+  const auto results = workspace.FindResults(image_names, /*limit=*/1);
+  if (!results.empty()) {
+    throw std::runtime_error(
+        "The folder " + path + " already holds dense results (" + results[0] +
+        "); pass --overwrite to replace them or choose another folder.");
+  }
+  if (is_new && (fs::exists(workspace.ImagesPath()) ||
+                 fs::exists(workspace.SparsePath()))) {
+    throw std::runtime_error(
+        "The folder " + path +
+        " already holds a workspace; pass it as --workspace_path instead of "
+        "--output_path to use it, or pass --overwrite to replace it.");
   }
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "colmap_plugin/structnerf_options.h"
+
 #include <string>
 #include <vector>
 
@@ -26,6 +28,11 @@ void CheckImages(const colmap::Reconstruction& reconstruction,
 // The folder exists and holds the mask of at least one image.
 void CheckMasks(const colmap::Reconstruction& reconstruction,
                 const std::string& mask_path);
+
+// The output folder holds neither results, unless they may be overwritten, nor
+// the original images.
+void CheckOutput(const StructNerfOptions& options,
+                 const std::vector<std::string>& image_names);
 
 // `written`, read back after COLMAP has undistorted `original` and written it,
 // is complete. COLMAP does not notice a full disk.

@@ -18,18 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-size_t CountDepths(const std::vector<float>& depth) {
-  return depth.size() - std::count(depth.begin(), depth.end(), 0.0f);
-}
-
-void ClearPixel(const size_t pixel_idx, StereoMaps* maps) {
-  const size_t num_pixels = maps->depth.size();
-  maps->depth[pixel_idx] = 0;
-  for (size_t plane = 0; plane < 3; ++plane) {
-    maps->normal[plane * num_pixels + pixel_idx] = 0;
-  }
-}
-
 // For work on one view of many, whose own fractions would only confuse.
 class SilentProgress : public Progress {
  public:
@@ -40,6 +28,12 @@ class SilentProgress : public Progress {
  private:
   Progress* progress_;
 };
+
+// The folder that the results end up in.
+const std::string& WorkspacePath(const StructNerfOptions& options) {
+  return options.workspace_path.empty() ? options.output_path
+                                        : options.workspace_path;
+}
 
 size_t TotalFileSize(const colmap::Reconstruction& reconstruction,
                      const std::string& image_path) {
@@ -110,8 +104,7 @@ void StructNerfController::Run() {
 
 void StructNerfController::RunStages() {
   CheckInput();
-  staged_folder_ = std::make_unique<StagedFolder>(
-      HasNewWorkspace() ? options_.output_path : options_.workspace_path);
+  staged_folder_ = std::make_unique<StagedFolder>(WorkspacePath(options_));
   workspace_ = std::make_unique<DenseWorkspace>(staged_folder_->Path());
   UndistortImages();
   LoadScene();
@@ -137,48 +130,19 @@ void StructNerfController::CheckInput() {
   if (!options_.mask_path.empty()) {
     CheckMasks(*reconstruction_, options_.mask_path);
   }
-  CheckOutput(ImageNames(*reconstruction_));
+  CheckOutput(options_, ImageNames(*reconstruction_));
 
   const auto cameras = UndistortedCameras(*reconstruction_);
-  CheckDiskSpace(
-      HasNewWorkspace() ? options_.output_path : options_.workspace_path,
-      cameras,
-      HasNewWorkspace() ? TotalFileSize(*reconstruction_, options_.image_path)
-                        : 0);
+  CheckDiskSpace(WorkspacePath(options_),
+                 cameras,
+                 HasNewWorkspace()
+                     ? TotalFileSize(*reconstruction_, options_.image_path)
+                     : 0);
   memory_plan_ = PlanMemory(options_, cameras);
   options_.reconstruction.training.max_image_size = memory_plan_.max_image_size;
   report_.memory_limit = memory_plan_.limit;
   if (!memory_plan_.note.empty()) {
     progress_->Note(memory_plan_.note);
-  }
-}
-
-void StructNerfController::CheckOutput(
-    const std::vector<std::string>& image_names) const {
-  const std::string& path =
-      HasNewWorkspace() ? options_.output_path : options_.workspace_path;
-  const DenseWorkspace workspace(path);
-  if (HasNewWorkspace() && fs::exists(workspace.ImagesPath()) &&
-      fs::equivalent(workspace.ImagesPath(), options_.image_path)) {
-    throw std::runtime_error("The output folder " + path +
-                             " would overwrite the original images in " +
-                             options_.image_path + "; choose another one.");
-  }
-  if (options_.overwrite) {
-    return;
-  }
-  const auto results = workspace.FindResults(image_names, /*limit=*/1);
-  if (!results.empty()) {
-    throw std::runtime_error(
-        "The folder " + path + " already holds dense results (" + results[0] +
-        "); pass --overwrite to replace them or choose another folder.");
-  }
-  if (HasNewWorkspace() && (fs::exists(workspace.ImagesPath()) ||
-                            fs::exists(workspace.SparsePath()))) {
-    throw std::runtime_error(
-        "The folder " + path +
-        " already holds a workspace; pass it as --workspace_path instead of "
-        "--output_path to use it, or pass --overwrite to replace it.");
   }
 }
 
@@ -267,17 +231,15 @@ void StructNerfController::RenderMaps() {
     if (!mask_path_.empty()) {
       const auto mask =
           ReadMask(mask_path_, image_names_[i], maps.width, maps.height);
-      for (size_t pixel_idx = 0; pixel_idx < mask.size(); ++pixel_idx) {
-        if (mask[pixel_idx] == 0) {
-          ClearPixel(pixel_idx, &maps);
-        }
+      if (!mask.empty()) {
+        maps.KeepOnly(mask);
       }
     }
     workspace_->WriteMaps(image_names_[i], MapType::kPhotometric, maps);
     report_.views.push_back({image_names_[i],
                              maps.width,
                              maps.height,
-                             CountDepths(maps.depth),
+                             maps.NumDepths(),
                              /*num_geometric=*/0});
     depth_maps_->Insert(i, std::move(maps));
     ReportFraction(i + 1, image_names_.size());
@@ -300,7 +262,7 @@ void StructNerfController::CheckConsistency() {
         FindConsistentPixels(scene_, all_maps, i, source_views_[i], extraction);
 
     const DenseMaps& photometric = all_maps[i];
-    std::vector<char> is_consistent(photometric.depth.size(), 0);
+    std::vector<uint8_t> is_consistent(photometric.depth.size(), 0);
     for (const ConsistencyRecord& record : records) {
       is_consistent[record.row * photometric.width + record.col] = 1;
     }
@@ -308,15 +270,11 @@ void StructNerfController::CheckConsistency() {
                     photometric.height,
                     photometric.depth,
                     photometric.normal};
-    for (size_t pixel_idx = 0; pixel_idx < is_consistent.size(); ++pixel_idx) {
-      if (!is_consistent[pixel_idx]) {
-        ClearPixel(pixel_idx, &maps);
-      }
-    }
+    maps.KeepOnly(is_consistent);
     workspace_->WriteMaps(image_names_[i], MapType::kGeometric, maps);
     workspace_->WriteConsistencyGraph(
         image_names_[i], maps.width, maps.height, records);
-    report_.views[i].num_geometric = CountDepths(maps.depth);
+    report_.views[i].num_geometric = maps.NumDepths();
     ReportFraction(i + 1, image_names_.size());
   }
   depth_maps_.reset();
@@ -358,8 +316,7 @@ void StructNerfController::WriteResults() {
   timer_.End();
   report_.stages = timer_.Stages();
   report_.peak_memory = PeakMemory();
-  report_.workspace_path =
-      HasNewWorkspace() ? options_.output_path : options_.workspace_path;
+  report_.workspace_path = WorkspacePath(options_);
   for (const OptionEntry& entry : MakeOptionTable(&options_)) {
     report_.options.emplace(entry.name, entry.Value());
   }

@@ -51,9 +51,8 @@ class StructNerfController : public colmap::BaseController {
 
   void RunStages();
 
-  // Throw before anything is written if the input cannot work.
+  // Throws before anything is written if the input cannot work.
   void CheckInput();
-  void CheckOutput(const std::vector<std::string>& image_names) const;
 
   void UndistortImages();
   void LoadScene();
