@@ -184,6 +184,54 @@ std::vector<OptionEntry> TrainingEntries(TrainingOptions* training) {
       {"StructNeRF.seed", &training->seed, "Seed of the training"}};
 }
 
+std::vector<OptionEntry> StereoEntries(StereoOptions* stereo) {
+  return {{"StructNeRF.stereo_iterations",
+           &stereo->num_iterations,
+           "Sweeps of patch matching over each view; 0 = none",
+           0,
+           100},
+          {"StructNeRF.stereo_window_radius",
+           &stereo->window_radius,
+           "Half the side of the matched window in pixels",
+           1,
+           10},
+          {"StructNeRF.stereo_window_step",
+           &stereo->window_step,
+           "Pixels between the window's taps",
+           1,
+           10},
+          {"StructNeRF.stereo_used_sources",
+           &stereo->num_used_sources,
+           "Source views that are matched at a pixel",
+           1,
+           32},
+          {"StructNeRF.stereo_best_sources",
+           &stereo->num_best_sources,
+           "Of those, how many count",
+           1,
+           32},
+          {"StructNeRF.stereo_perturbation",
+           &stereo->perturbation,
+           "Relative random change of depth in the first sweep",
+           0,
+           1},
+          {"StructNeRF.stereo_prior_weight",
+           &stereo->prior_weight,
+           "Cost of leaving the field's depth",
+           0,
+           10},
+          {"StructNeRF.stereo_prior_tolerance",
+           &stereo->prior_tolerance,
+           "Relative difference in depth at which that cost is reached",
+           1e-6,
+           10},
+          {"StructNeRF.stereo_max_cost",
+           &stereo->max_cost,
+           "Pixels that match worse keep the field's depth",
+           0,
+           2}};
+}
+
 std::vector<OptionEntry> ExtractionEntries(ExtractionOptions* extraction) {
   return {{"StructNeRF.max_relative_std",
            &extraction->max_relative_std,
@@ -259,6 +307,7 @@ std::vector<OptionEntry> MakeOptionTable(StructNerfOptions* options) {
                               SamplingEntries(&reconstruction->sampling),
                               LossEntries(&reconstruction->loss),
                               TrainingEntries(&reconstruction->training),
+                              StereoEntries(&reconstruction->stereo),
                               ExtractionEntries(&reconstruction->extraction)}) {
     table.insert(table.end(), entries.begin(), entries.end());
   }

@@ -101,6 +101,22 @@ bool TrainingOptions::Check(std::string* error) const {
       .Report(error);
 }
 
+bool StereoOptions::Check(std::string* error) const {
+  return RangeChecker()
+      .In("num_iterations", num_iterations, 0, 100)
+      .In("window_radius", window_radius, 1, 10)
+      .In("window_step", window_step, 1, 10)
+      .Require(2 * window_radius / window_step + 1 <= 11,
+               "window_radius may be at most 5 times window_step")
+      .In("num_used_sources", num_used_sources, 1, 32)
+      .In("num_best_sources", num_best_sources, 1, 32)
+      .In("perturbation", perturbation, 0.0, 1.0)
+      .In("prior_weight", prior_weight, 0.0, 10.0)
+      .In("prior_tolerance", prior_tolerance, 1e-6, 10.0)
+      .In("max_cost", max_cost, 0.0, 2.0)
+      .Report(error);
+}
+
 bool ExtractionOptions::Check(std::string* error) const {
   return RangeChecker()
       .In("max_relative_std", max_relative_std, 0.0, 1e6)
@@ -112,7 +128,8 @@ bool ExtractionOptions::Check(std::string* error) const {
 
 bool ReconstructionOptions::Check(std::string* error) const {
   return field.Check(error) && sampling.Check(error) && loss.Check(error) &&
-         training.Check(error) && extraction.Check(error);
+         training.Check(error) && stereo.Check(error) &&
+         extraction.Check(error);
 }
 
 ReconstructionOptions QualityPreset(const std::string& quality) {

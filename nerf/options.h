@@ -129,6 +129,34 @@ struct TrainingOptions {
   bool Check(std::string* error) const;
 };
 
+// Matching of slanted windows, seeded by the field, at the end (nerf/stereo).
+struct StereoOptions {
+  // Sweeps over each view; 0 = leave the field's depth as it is.
+  int num_iterations = 2;
+
+  // Half the side of the window in pixels, and the distance of its taps.
+  int window_radius = 5;
+  int window_step = 2;
+
+  // Sources that are used at a pixel, chosen by how well the seed fits, and how
+  // many of them count.
+  int num_used_sources = 5;
+  int num_best_sources = 3;
+
+  // Random changes of depth in the first sweep, relative; they halve from sweep
+  // to sweep.
+  double perturbation = 0.02;
+
+  // Cost of leaving the seed, reached at this relative difference in depth.
+  double prior_weight = 0.15;
+  double prior_tolerance = 0.1;
+
+  // Pixels that match worse than this keep the field's depth.
+  double max_cost = 0.5;
+
+  bool Check(std::string* error) const;
+};
+
 // From the trained field to depth maps.
 struct ExtractionOptions {
   // Pixels whose ray terminates less sharply are given no depth: largest
@@ -151,6 +179,7 @@ struct ReconstructionOptions {
   SamplingOptions sampling;
   LossOptions loss;
   TrainingOptions training;
+  StereoOptions stereo;
   ExtractionOptions extraction;
 
   bool Check(std::string* error) const;

@@ -5,6 +5,7 @@
 #include "nerf/extract/normal_estimation.h"
 #include "nerf/field/field_file.h"
 #include "nerf/scene_frame.h"
+#include "nerf/stereo/depth_refinement.h"
 #include "nerf/train/trainer.h"
 #include "nerf/train/training_objective.h"
 #include "nerf/view_selection.h"
@@ -86,6 +87,9 @@ class Reconstructor::Impl {
                                                     options.loss,
                                                     options.training);
     engine = MakeFusedEngine(MakeEngineOptions(options, frame));
+    patch_match = std::make_unique<PatchMatch>(
+        scene, frame, objective->Views(), sources, options.stereo);
+    pool = std::make_unique<ThreadPool>(options.training.num_threads);
   }
 
   void CollectWarnings() {
@@ -119,6 +123,8 @@ class Reconstructor::Impl {
   std::vector<std::string> warnings;
   std::unique_ptr<TrainingObjective> objective;
   std::unique_ptr<RenderEngine> engine;
+  std::unique_ptr<PatchMatch> patch_match;
+  std::unique_ptr<ThreadPool> pool;
   TrainingSummary summary;
 };
 
@@ -171,6 +177,16 @@ DenseMaps Reconstructor::RenderView(const size_t view_idx,
   DenseMaps maps =
       RenderDepth(view, impl_->frame, impl_->engine.get(), progress);
   EstimateNormals(view.camera, &maps);
+  if (impl_->options.stereo.num_iterations > 0) {
+    RefineDepth(view,
+                static_cast<int>(view_idx),
+                impl_->frame,
+                impl_->objective->Views().image(static_cast<int>(view_idx)),
+                *impl_->patch_match,
+                impl_->options.stereo.max_cost,
+                impl_->pool.get(),
+                &maps);
+  }
   const float max_std =
       static_cast<float>(impl_->options.extraction.max_relative_std);
   const size_t num_pixels = maps.depth.size();

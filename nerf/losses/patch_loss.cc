@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include <Eigen/LU>
-
 // clang-format off
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "nerf/losses/patch_loss.cc"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
+#include "nerf/losses/view_warp-inl.h"
 // clang-format on
 
 HWY_BEFORE_NAMESPACE();
@@ -22,19 +21,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 constexpr float kC1 = 1e-4f;
 constexpr float kC2 = 9e-4f;
 
-// Least depth in the source, relative to that in the view.
-constexpr float kMinDepthRatio = 0.02f;
-
 constexpr int kMaxTaps = kMaxPatchSide * kMaxPatchSide;
-constexpr float kInverseMaxGray = 1.0f / TrainingViews::kMaxGray;
-
-// Vector of rays. Every lane is one ray, so the code reads like that for a
-// single one.
-using D = hn::CappedTag<float, 16>;
-using DI = hn::RebindToSigned<D>;
-using V = hn::VFromD<D>;
-using VI = hn::VFromD<DI>;
-using M = decltype(hn::Eq(V(), V()));
 
 struct Taps {
   V reference[kMaxTaps];
@@ -101,56 +88,9 @@ HWY_INLINE void ReadReference(const uint16_t* grays,
   }
 }
 
-// Grey value at (u, v) by bilinear interpolation and its derivatives.
-HWY_INLINE V Bilinear(const uint16_t* grays,
-                      const VI first_pixel,
-                      const VI stride,
-                      const V u,
-                      const V v,
-                      const M inside,
-                      V* by_u,
-                      V* by_v,
-                      M* is_unmasked) {
-  const D d;
-  const DI di;
-  const VI x = hn::ConvertTo(di, u);
-  const VI y = hn::ConvertTo(di, v);
-  const V fu = hn::Sub(u, hn::ConvertTo(d, x));
-  const V fv = hn::Sub(v, hn::ConvertTo(d, y));
-  const VI pixel =
-      hn::IfThenElseZero(hn::RebindMask(di, inside),
-                         hn::Add(first_pixel, hn::Add(hn::Mul(y, stride), x)));
-  const VI next_row =
-      hn::IfThenElseZero(hn::RebindMask(di, inside), hn::Add(pixel, stride));
-  // One 32-bit read holds two neighbours in a row.
-  const int* const base = reinterpret_cast<const int*>(grays);
-  const VI top = hn::GatherOffset(di, base, hn::ShiftLeft<1>(pixel));
-  const VI bottom = hn::GatherOffset(di, base, hn::ShiftLeft<1>(next_row));
-  const VI low = hn::Set(di, 0xffff);
-  const VI i00 = hn::And(top, low);
-  const VI i01 = hn::And(hn::ShiftRight<16>(top), low);
-  const VI i10 = hn::And(bottom, low);
-  const VI i11 = hn::And(hn::ShiftRight<16>(bottom), low);
-  const VI brightest = hn::Max(hn::Max(i00, i01), hn::Max(i10, i11));
-  *is_unmasked = hn::RebindMask(
-      d, hn::Ne(brightest, hn::Set(di, TrainingViews::kMaskedGray)));
-  const V scale = hn::Set(d, kInverseMaxGray);
-  const V v00 = hn::Mul(hn::ConvertTo(d, i00), scale);
-  const V v01 = hn::Mul(hn::ConvertTo(d, i01), scale);
-  const V v10 = hn::Mul(hn::ConvertTo(d, i10), scale);
-  const V v11 = hn::Mul(hn::ConvertTo(d, i11), scale);
-  const V top_slope = hn::Sub(v01, v00);
-  const V bottom_slope = hn::Sub(v11, v10);
-  const V top_value = hn::MulAdd(fu, top_slope, v00);
-  const V bottom_value = hn::MulAdd(fu, bottom_slope, v10);
-  *by_u = hn::MulAdd(fv, hn::Sub(bottom_slope, top_slope), top_slope);
-  *by_v = hn::Sub(bottom_value, top_value);
-  return hn::MulAdd(fv, *by_v, top_value);
-}
-
 // Warps the patch into one source and compares. `warp_index` holds each lane's
 // index into warps.
-HWY_INLINE void CompareWithSource(const PatchLoss::Warp* warps,
+HWY_INLINE void CompareWithSource(const ViewWarp* warps,
                                   const VI warp_index,
                                   const uint16_t* grays,
                                   const PatchLoss::Options& options,
@@ -162,36 +102,21 @@ HWY_INLINE void CompareWithSource(const PatchLoss::Warp* warps,
                                   V* by_rho,
                                   M* is_valid) {
   const D d;
-  const DI di;
-  constexpr int kFields = sizeof(PatchLoss::Warp) / sizeof(float);
-  const VI offset = hn::Mul(warp_index, hn::Set(di, kFields));
-  const float* const base = reinterpret_cast<const float*>(warps);
-  const int* const integer_base = reinterpret_cast<const int*>(warps);
-  V h[9];
-  for (int i = 0; i < 9; ++i) {
-    h[i] = hn::GatherIndex(d, base + i, offset);
-  }
-  V b[3];
-  for (int i = 0; i < 3; ++i) {
-    b[i] = hn::GatherIndex(d, base + 9 + i, offset);
-  }
-  const V width = hn::GatherIndex(d, base + 12, offset);
-  const V height = hn::GatherIndex(d, base + 13, offset);
-  const VI first_pixel = hn::GatherIndex(di, integer_base + 14, offset);
-  const VI stride = hn::GatherIndex(di, integer_base + 15, offset);
-
+  const WarpVector warp = GatherWarps(warps, warp_index);
   V center[3];  // of the patch, homogeneous
   for (int i = 0; i < 3; ++i) {
-    center[i] = hn::MulAdd(
-        h[3 * i],
-        x,
-        hn::MulAdd(h[3 * i + 1], y, hn::MulAdd(b[i], rho, h[3 * i + 2])));
+    center[i] =
+        hn::MulAdd(warp.h[3 * i],
+                   x,
+                   hn::MulAdd(warp.h[3 * i + 1],
+                              y,
+                              hn::MulAdd(warp.b[i], rho, warp.h[3 * i + 2])));
   }
 
   const V zero = hn::Zero(d);
   const V half = hn::Set(d, 0.5f);
   const V one = hn::Set(d, 1.0f);
-  M valid = hn::RebindMask(d, hn::Gt(stride, hn::Zero(di)));
+  M valid = hn::RebindMask(d, hn::Gt(warp.stride, hn::Zero(DI())));
   V value[kMaxTaps];
   V derivative[kMaxTaps];
   V sum = zero;
@@ -202,27 +127,21 @@ HWY_INLINE void CompareWithSource(const PatchLoss::Warp* warps,
       const V dy = hn::Set(d, static_cast<float>(ty * options.dilation));
       V p[3];
       for (int i = 0; i < 3; ++i) {
-        p[i] =
-            hn::MulAdd(h[3 * i], dx, hn::MulAdd(h[3 * i + 1], dy, center[i]));
+        p[i] = hn::MulAdd(
+            warp.h[3 * i], dx, hn::MulAdd(warp.h[3 * i + 1], dy, center[i]));
       }
       valid = hn::And(valid, hn::Gt(p[2], hn::Set(d, kMinDepthRatio)));
       const V inverse = hn::Div(one, hn::Max(p[2], hn::Set(d, kMinDepthRatio)));
       const V u = hn::Mul(p[0], inverse);
       const V v = hn::Mul(p[1], inverse);
-      // Pixel centres are at halves; interpolation needs a neighbour each way.
       const V pixel_u = hn::Sub(u, half);
       const V pixel_v = hn::Sub(v, half);
-      valid = hn::And(valid,
-                      hn::And(hn::And(hn::Ge(pixel_u, zero),
-                                      hn::Lt(pixel_u, hn::Sub(width, one))),
-                              hn::And(hn::Ge(pixel_v, zero),
-                                      hn::Lt(pixel_v, hn::Sub(height, one)))));
+      valid = hn::And(valid, IsInside(warp, pixel_u, pixel_v));
       V by_u;
       V by_v;
       M unmasked;
       value[tap] = Bilinear(grays,
-                            first_pixel,
-                            stride,
+                            warp,
                             hn::IfThenElseZero(valid, pixel_u),
                             hn::IfThenElseZero(valid, pixel_v),
                             valid,
@@ -230,8 +149,10 @@ HWY_INLINE void CompareWithSource(const PatchLoss::Warp* warps,
                             &by_v,
                             &unmasked);
       valid = hn::And(valid, unmasked);
-      const V u_by_rho = hn::Mul(hn::NegMulAdd(u, b[2], b[0]), inverse);
-      const V v_by_rho = hn::Mul(hn::NegMulAdd(v, b[2], b[1]), inverse);
+      const V u_by_rho =
+          hn::Mul(hn::NegMulAdd(u, warp.b[2], warp.b[0]), inverse);
+      const V v_by_rho =
+          hn::Mul(hn::NegMulAdd(v, warp.b[2], warp.b[1]), inverse);
       derivative[tap] = hn::MulAdd(by_u, u_by_rho, hn::Mul(by_v, v_by_rho));
       sum = hn::Add(sum, value[tap]);
     }
@@ -297,7 +218,7 @@ HWY_INLINE void CompareWithSource(const PatchLoss::Warp* warps,
 }
 
 // Losses of up to one vector of rays in all their sources: slots x 16.
-void CompareSources(const PatchLoss::Warp* warps,
+void CompareSources(const ViewWarp* warps,
                     const int num_slots,
                     const TrainingViews& views,
                     const PatchLoss::Options& options,
@@ -376,46 +297,6 @@ namespace structnerf {
 HWY_EXPORT(CompareSources);
 HWY_EXPORT(RaysPerVector);
 
-namespace {
-
-Eigen::Matrix3d CalibrationMatrix(const View& view) {
-  const PinholeCamera camera =
-      view.camera.Resized(view.image.width, view.image.height);
-  Eigen::Matrix3d k;
-  k << camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1;
-  return k;
-}
-
-PatchLoss::Warp MakeWarp(const View& view,
-                         const View& source,
-                         const TrainingViews::Image& source_image,
-                         const double scale) {
-  const Eigen::Matrix3d k = CalibrationMatrix(source);
-  const Eigen::Matrix3d rotation =
-      source.cam_from_world_rotation * view.cam_from_world_rotation.transpose();
-  // From centres, not translations: the latter are large where the world's
-  // origin is far away.
-  const Eigen::Vector3d translation =
-      source.cam_from_world_rotation *
-      (view.ProjectionCenter() - source.ProjectionCenter()) * scale;
-  const Eigen::Matrix3d h = k * rotation * CalibrationMatrix(view).inverse();
-  const Eigen::Vector3d b = k * translation;
-  PatchLoss::Warp warp;
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
-      warp.h[3 * i + j] = static_cast<float>(h(i, j));
-    }
-    warp.b[i] = static_cast<float>(b(i));
-  }
-  warp.width = static_cast<float>(source_image.width);
-  warp.height = static_cast<float>(source_image.height);
-  warp.first_pixel = static_cast<int32_t>(source_image.first_pixel);
-  warp.stride = source_image.width;
-  return warp;
-}
-
-}  // namespace
-
 PatchLoss::PatchLoss(const Scene& scene,
                      const SceneFrame& frame,
                      const TrainingViews& views,
@@ -425,14 +306,16 @@ PatchLoss::PatchLoss(const Scene& scene,
   for (const std::vector<int>& view_sources : sources) {
     num_slots_ = std::max(num_slots_, static_cast<int>(view_sources.size()));
   }
-  warps_.assign(sources.size() * num_slots_, Warp{});
+  warps_.assign(sources.size() * num_slots_, ViewWarp{});
   for (size_t v = 0; v < sources.size(); ++v) {
     for (size_t s = 0; s < sources[v].size(); ++s) {
       const int source = sources[v][s];
-      warps_[v * num_slots_ + s] = MakeWarp(scene.views[v],
-                                            scene.views[source],
-                                            views.image(source),
-                                            frame.scale);
+      warps_[v * num_slots_ + s] =
+          MakeViewWarp(scene.views[v],
+                       scene.views[source],
+                       views.image(static_cast<int>(v)),
+                       views.image(source),
+                       frame.scale);
     }
   }
 }

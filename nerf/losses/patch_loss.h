@@ -1,6 +1,7 @@
 #pragma once
 
 #include "nerf/engine/ray_tile.h"
+#include "nerf/losses/view_warp.h"
 #include "nerf/scene.h"
 #include "nerf/scene_frame.h"
 #include "nerf/train/training_views.h"
@@ -52,22 +53,11 @@ class PatchLoss {
                 float* d_depth,
                 int* num_valid) const;
 
-  // Homography-like map into one source, in floats for gathers: pixel p of the
-  // view at inverse depth rho lands at (h p + rho b), homogeneous.
-  struct Warp {
-    float h[9];  // row-major
-    float b[3];
-    float width;
-    float height;
-    int32_t first_pixel;  // of the source, into TrainingViews::Grays()
-    int32_t stride;       // pixels per row; 0 marks an empty slot
-  };
-
  private:
   const TrainingViews& views_;
   const Options options_;
-  int num_slots_ = 0;        // source slots per view
-  std::vector<Warp> warps_;  // views x num_slots_
+  int num_slots_ = 0;            // source slots per view
+  std::vector<ViewWarp> warps_;  // views x num_slots_
 };
 
 }  // namespace structnerf

@@ -1,0 +1,23 @@
+#pragma once
+
+#include "nerf/dense_maps.h"
+#include "nerf/scene.h"
+#include "nerf/scene_frame.h"
+#include "nerf/stereo/patch_match.h"
+#include "nerf/util/thread_pool.h"
+
+namespace structnerf {
+
+// Matches a view's patches with its sources, starting from the rendered depth
+// and normals in `maps`, and puts the planes found where they match at most
+// `max_cost`. Other pixels stay as they are.
+void RefineDepth(const View& view,
+                 int view_idx,
+                 const SceneFrame& frame,
+                 const TrainingViews::Image& image,
+                 const PatchMatch& patch_match,
+                 double max_cost,
+                 ThreadPool* pool,
+                 DenseMaps* maps);
+
+}  // namespace structnerf

@@ -1,0 +1,555 @@
+#include "nerf/stereo/patch_match.h"
+
+#include "nerf/util/random.h"
+
+#include <algorithm>
+#include <cmath>
+
+// clang-format off
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "nerf/stereo/patch_match.cc"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+#include <hwy/contrib/math/math-inl.h>
+#include "nerf/losses/view_warp-inl.h"
+// clang-format on
+
+namespace structnerf {
+#ifndef NERF_STEREO_PATCH_MATCH_ONCE_
+#define NERF_STEREO_PATCH_MATCH_ONCE_
+
+// What a sweep over one view reads and writes.
+struct PatchMatchSweep {
+  const ViewWarp* warps = nullptr;  // of this view's sources
+  int num_slots = 0;
+  const uint16_t* grays = nullptr;
+  size_t first_pixel = 0;  // of this view's image
+  const StereoOptions* options = nullptr;
+  const float* seed_rho = nullptr;
+  PlaneMaps* maps = nullptr;
+  float* total_cost = nullptr;    // per pixel, with the prior
+  int32_t* best_slots = nullptr;  // num_used_slots per pixel
+  int num_used_slots = 0;
+  int iteration = -1;  // -1 = evaluate the seed and choose the sources
+  int color = 0;       // of the checkerboard
+};
+
+#endif  // NERF_STEREO_PATCH_MATCH_ONCE_
+}  // namespace structnerf
+
+HWY_BEFORE_NAMESPACE();
+namespace structnerf {
+namespace HWY_NAMESPACE {
+
+// Most taps of a window, and most sources per view.
+constexpr int kMaxWindowTaps = 121;
+constexpr int kMaxSlots = 32;
+
+// Fall-off of a tap's weight with its difference in grey value to the centre,
+// and with its distance in units of the window's radius.
+constexpr float kColorFalloff = 0.12f;
+constexpr float kSpaceFalloff = 1.0f;
+
+// Variance in grey value (of [0, 1]) below which a patch has no texture: noise
+// of about one grey level.
+constexpr float kNoiseVariance = 1.5e-5f;
+
+constexpr float kWorstCost = 2.0f;
+
+// Taps of the view itself: weights sum to one, values have mean zero.
+struct Window {
+  int num_taps = 0;
+  float dx[kMaxWindowTaps];
+  float dy[kMaxWindowTaps];
+  V weight[kMaxWindowTaps];
+  V reference[kMaxWindowTaps];
+  V variance;
+};
+
+struct Planes {
+  V rho;
+  V rho_x;
+  V rho_y;
+};
+
+void ReadWindow(const PatchMatchSweep& sweep,
+                const int num_pixels,
+                const int* cols,
+                const int row,
+                Window* window) {
+  const D d;
+  const PlaneMaps& maps = *sweep.maps;
+  const int radius = sweep.options->window_radius;
+  const int step = sweep.options->window_step;
+  const uint16_t* const image = sweep.grays + sweep.first_pixel;
+  HWY_ALIGN float center[16] = {};
+  for (int i = 0; i < num_pixels; ++i) {
+    center[i] = kInverseMaxGray *
+                image[static_cast<size_t>(row) * maps.width + cols[i]];
+  }
+  const V center_value = hn::Load(d, center);
+  window->num_taps = 0;
+  V sum_weights = hn::Zero(d);
+  V sum = hn::Zero(d);
+  for (int dy = -radius; dy <= radius; dy += step) {
+    for (int dx = -radius; dx <= radius; dx += step) {
+      HWY_ALIGN float values[16] = {};
+      HWY_ALIGN float inside[16] = {};
+      const int y = row + dy;
+      if (y >= 0 && y < maps.height) {
+        for (int i = 0; i < num_pixels; ++i) {
+          const int x = cols[i] + dx;
+          if (x >= 0 && x < maps.width) {
+            const uint16_t gray =
+                image[static_cast<size_t>(y) * maps.width + x];
+            values[i] = kInverseMaxGray * gray;
+            inside[i] = gray != TrainingViews::kMaskedGray;
+          }
+        }
+      }
+      const int tap = window->num_taps++;
+      window->dx[tap] = static_cast<float>(dx);
+      window->dy[tap] = static_cast<float>(dy);
+      const V value = hn::Load(d, values);
+      const float distance2 =
+          static_cast<float>(dx * dx + dy * dy) / (radius * radius);
+      const V exponent =
+          hn::Add(hn::Mul(hn::Abs(hn::Sub(value, center_value)),
+                          hn::Set(d, -1.0f / kColorFalloff)),
+                  hn::Set(d, -distance2 / (2 * kSpaceFalloff * kSpaceFalloff)));
+      const V weight = hn::Mul(hn::Exp(d, exponent), hn::Load(d, inside));
+      window->weight[tap] = weight;
+      window->reference[tap] = value;
+      sum_weights = hn::Add(sum_weights, weight);
+      sum = hn::MulAdd(weight, value, sum);
+    }
+  }
+  const V inverse =
+      hn::Div(hn::Set(d, 1.0f), hn::Max(sum_weights, hn::Set(d, 1e-6f)));
+  const V mean = hn::Mul(sum, inverse);
+  window->variance = hn::Zero(d);
+  for (int tap = 0; tap < window->num_taps; ++tap) {
+    window->weight[tap] = hn::Mul(window->weight[tap], inverse);
+    window->reference[tap] = hn::Sub(window->reference[tap], mean);
+    window->variance =
+        hn::MulAdd(window->weight[tap],
+                   hn::Mul(window->reference[tap], window->reference[tap]),
+                   window->variance);
+  }
+}
+
+// One minus the correlation with one source per lane; kWorstCost where the
+// source does not see the whole patch.
+V SourceCost(const PatchMatchSweep& sweep,
+             const VI slot,
+             const Window& window,
+             const V x,
+             const V y,
+             const Planes& planes) {
+  const D d;
+  const WarpVector warp = GatherWarps(sweep.warps, slot);
+  const V one = hn::Set(d, 1.0f);
+  const V half = hn::Set(d, 0.5f);
+  V center[3];
+  V by_x[3];
+  V by_y[3];
+  for (int i = 0; i < 3; ++i) {
+    center[i] = hn::MulAdd(
+        warp.h[3 * i],
+        x,
+        hn::MulAdd(warp.h[3 * i + 1],
+                   y,
+                   hn::MulAdd(warp.b[i], planes.rho, warp.h[3 * i + 2])));
+    by_x[i] = hn::MulAdd(warp.b[i], planes.rho_x, warp.h[3 * i]);
+    by_y[i] = hn::MulAdd(warp.b[i], planes.rho_y, warp.h[3 * i + 1]);
+  }
+  M valid = hn::RebindMask(d, hn::Gt(warp.stride, hn::Zero(DI())));
+  V sum = hn::Zero(d);
+  V sum_squares = hn::Zero(d);
+  V covariance = hn::Zero(d);
+  for (int tap = 0; tap < window.num_taps; ++tap) {
+    const V dx = hn::Set(d, window.dx[tap]);
+    const V dy = hn::Set(d, window.dy[tap]);
+    V p[3];
+    for (int i = 0; i < 3; ++i) {
+      p[i] = hn::MulAdd(by_x[i], dx, hn::MulAdd(by_y[i], dy, center[i]));
+    }
+    valid = hn::And(valid, hn::Gt(p[2], hn::Set(d, kMinDepthRatio)));
+    const V inverse = hn::Div(one, hn::Max(p[2], hn::Set(d, kMinDepthRatio)));
+    const V u = hn::MulSub(p[0], inverse, half);
+    const V v = hn::MulSub(p[1], inverse, half);
+    valid = hn::And(valid, IsInside(warp, u, v));
+    if (hn::AllFalse(d, valid)) {
+      return hn::Set(d, kWorstCost);
+    }
+    V by_u;
+    V by_v;
+    M unmasked;
+    const V value = Bilinear(sweep.grays,
+                             warp,
+                             hn::IfThenElseZero(valid, u),
+                             hn::IfThenElseZero(valid, v),
+                             valid,
+                             &by_u,
+                             &by_v,
+                             &unmasked);
+    valid = hn::And(valid, unmasked);
+    const V weighted = hn::Mul(window.weight[tap], value);
+    sum = hn::Add(sum, weighted);
+    sum_squares = hn::MulAdd(weighted, value, sum_squares);
+    covariance = hn::MulAdd(weighted, window.reference[tap], covariance);
+  }
+  // Values are in [0, 1] and weights sum to one, so this cancels to 1e-7 at
+  // worst, far below the variance that counts as noise.
+  const V variance = hn::Max(hn::NegMulAdd(sum, sum, sum_squares), hn::Zero(d));
+  const V noise = hn::Set(d, kNoiseVariance);
+  const V correlation =
+      hn::Div(covariance,
+              hn::Sqrt(hn::Mul(hn::Add(window.variance, noise),
+                               hn::Add(variance, noise))));
+  return hn::IfThenElse(
+      valid, hn::Sub(one, correlation), hn::Set(d, kWorstCost));
+}
+
+// Mean of the `count` smallest of costs[0 .. n), per lane; slots that see
+// nothing are left out as long as others see something.
+V MeanOfBest(V* costs, const int n, const int count) {
+  const D d;
+  V sum = hn::Zero(d);
+  V sum_weights = hn::Zero(d);
+  for (int k = 0; k < std::min(count, n); ++k) {
+    for (int i = k + 1; i < n; ++i) {
+      const V smaller = hn::Min(costs[k], costs[i]);
+      costs[i] = hn::Max(costs[k], costs[i]);
+      costs[k] = smaller;
+    }
+    const V weight = hn::IfThenElseZero(
+        hn::Lt(costs[k], hn::Set(d, kWorstCost)), hn::Set(d, 1.0f));
+    sum = hn::MulAdd(weight, costs[k], sum);
+    sum_weights = hn::Add(sum_weights, weight);
+  }
+  return hn::IfThenElse(hn::Gt(sum_weights, hn::Zero(d)),
+                        hn::Div(sum, hn::Max(sum_weights, hn::Set(d, 1.0f))),
+                        hn::Set(d, kWorstCost));
+}
+
+V PriorCost(const PatchMatchSweep& sweep, const V rho, const V seed_rho) {
+  const D d;
+  const StereoOptions& options = *sweep.options;
+  const V difference =
+      hn::Abs(hn::Sub(hn::Div(rho, seed_rho), hn::Set(d, 1.0f)));
+  const V share = hn::Min(
+      hn::Mul(difference,
+              hn::Set(d, static_cast<float>(1.0 / options.prior_tolerance))),
+      hn::Set(d, 1.0f));
+  return hn::Mul(share, hn::Set(d, static_cast<float>(options.prior_weight)));
+}
+
+// One vector of pixels of one colour in one row.
+class PixelBlock {
+ public:
+  PixelBlock(const PatchMatchSweep& sweep,
+             const int row,
+             const int first_col,
+             const int num_pixels)
+      : sweep_(sweep), row_(row), num_pixels_(num_pixels) {
+    const D d;
+    HWY_ALIGN float x[16] = {};
+    HWY_ALIGN float y[16] = {};
+    HWY_ALIGN float seed[16];
+    std::fill(seed, seed + 16, 1.0f);
+    for (int i = 0; i < num_pixels; ++i) {
+      cols_[i] = first_col + 2 * i;
+      x[i] = static_cast<float>(cols_[i]) + 0.5f;
+      y[i] = static_cast<float>(row) + 0.5f;
+      seed[i] = sweep.seed_rho[Index(i)];
+    }
+    x_ = hn::Load(d, x);
+    y_ = hn::Load(d, y);
+    seed_rho_ = hn::Load(d, seed);
+    ReadWindow(sweep, num_pixels, cols_, row, &window_);
+  }
+
+  // Cost of the seed in all sources; the best become those that are used.
+  void ChooseSources() {
+    const D d;
+    const DI di;
+    const Planes planes = Load();
+    HWY_ALIGN float costs[kMaxSlots][16];
+    for (int slot = 0; slot < sweep_.num_slots; ++slot) {
+      hn::Store(SourceCost(sweep_, hn::Set(di, slot), window_, x_, y_, planes),
+                d,
+                costs[slot]);
+    }
+    for (int i = 0; i < num_pixels_; ++i) {
+      int order[kMaxSlots];
+      for (int slot = 0; slot < sweep_.num_slots; ++slot) {
+        order[slot] = slot;
+      }
+      std::partial_sort(
+          order,
+          order + sweep_.num_used_slots,
+          order + sweep_.num_slots,
+          [&](const int a, const int b) { return costs[a][i] < costs[b][i]; });
+      std::copy(order,
+                order + sweep_.num_used_slots,
+                sweep_.best_slots + Index(i) * sweep_.num_used_slots);
+    }
+  }
+
+  void LoadSources() {
+    const DI di;
+    for (int k = 0; k < sweep_.num_used_slots; ++k) {
+      HWY_ALIGN int32_t slots[16] = {};
+      for (int i = 0; i < num_pixels_; ++i) {
+        slots[i] = sweep_.best_slots[Index(i) * sweep_.num_used_slots + k];
+      }
+      slots_[k] = hn::Load(di, slots);
+    }
+  }
+
+  void EvaluateCurrent() {
+    const Planes planes = Load();
+    V cost;
+    const V total = Cost(planes, &cost);
+    Keep(planes, cost, total, hn::Eq(total, total));
+  }
+
+  // Tries the planes of neighbours and random changes of the own.
+  void Improve() {
+    const D d;
+    best_ = Load();
+    best_cost_ = LoadFrom(sweep_.maps->cost.data());
+    best_total_ = LoadFrom(sweep_.total_cost);
+    // Odd offsets only: those pixels have the other colour.
+    constexpr int kOffsets[8][2] = {
+        {-1, 0}, {1, 0}, {0, -1}, {0, 1}, {-5, 0}, {5, 0}, {0, -5}, {0, 5}};
+    for (const auto& offset : kOffsets) {
+      TryNeighbor(offset[0], offset[1]);
+    }
+    // Depth, slope, and both, at a scale that halves from sweep to sweep.
+    const float scale = std::ldexp(
+        static_cast<float>(sweep_.options->perturbation), -sweep_.iteration);
+    for (int kind = 0; kind < 3; ++kind) {
+      HWY_ALIGN float noise[3][16] = {};
+      for (int i = 0; i < num_pixels_; ++i) {
+        Random random(Index(i), sweep_.iteration, kind);
+        for (auto& values : noise) {
+          values[i] = 2 * random.NextFloat() - 1;
+        }
+      }
+      Planes planes = best_;
+      if (kind != 1) {
+        planes.rho = hn::MulAdd(hn::Mul(best_.rho, hn::Set(d, scale)),
+                                hn::Load(d, noise[0]),
+                                planes.rho);
+      }
+      if (kind != 0) {
+        // Over a window's radius, a slope moves the depth as much again.
+        const V slope_scale = hn::Mul(
+            best_.rho, hn::Set(d, 2 * scale / sweep_.options->window_radius));
+        planes.rho_x =
+            hn::MulAdd(slope_scale, hn::Load(d, noise[1]), planes.rho_x);
+        planes.rho_y =
+            hn::MulAdd(slope_scale, hn::Load(d, noise[2]), planes.rho_y);
+      }
+      Try(planes, hn::Eq(x_, x_));
+    }
+    Keep(best_, best_cost_, best_total_, hn::Eq(x_, x_));
+  }
+
+ private:
+  size_t Index(const int i) const {
+    return static_cast<size_t>(row_) * sweep_.maps->width + cols_[i];
+  }
+
+  V LoadFrom(const float* values) const {
+    HWY_ALIGN float lanes[16];
+    std::fill(lanes, lanes + 16, 1.0f);
+    for (int i = 0; i < num_pixels_; ++i) {
+      lanes[i] = values[Index(i)];
+    }
+    return hn::Load(D(), lanes);
+  }
+
+  Planes Load() const {
+    return {LoadFrom(sweep_.maps->rho.data()),
+            LoadFrom(sweep_.maps->rho_x.data()),
+            LoadFrom(sweep_.maps->rho_y.data())};
+  }
+
+  void Keep(const Planes& planes,
+            const V cost,
+            const V total,
+            const M improved) const {
+    const D d;
+    HWY_ALIGN float values[5][16];
+    HWY_ALIGN float is_improved[16];
+    hn::Store(planes.rho, d, values[0]);
+    hn::Store(planes.rho_x, d, values[1]);
+    hn::Store(planes.rho_y, d, values[2]);
+    hn::Store(cost, d, values[3]);
+    hn::Store(total, d, values[4]);
+    hn::Store(hn::IfThenElseZero(improved, hn::Set(d, 1.0f)), d, is_improved);
+    float* const targets[5] = {sweep_.maps->rho.data(),
+                               sweep_.maps->rho_x.data(),
+                               sweep_.maps->rho_y.data(),
+                               sweep_.maps->cost.data(),
+                               sweep_.total_cost};
+    for (int i = 0; i < num_pixels_; ++i) {
+      if (is_improved[i] > 0) {
+        for (int k = 0; k < 5; ++k) {
+          targets[k][Index(i)] = values[k][i];
+        }
+      }
+    }
+  }
+
+  // Total cost; the matching cost alone goes to `cost`.
+  V Cost(const Planes& planes, V* cost) {
+    V costs[kMaxSlots];
+    for (int k = 0; k < sweep_.num_used_slots; ++k) {
+      costs[k] = SourceCost(sweep_, slots_[k], window_, x_, y_, planes);
+    }
+    *cost = MeanOfBest(
+        costs, sweep_.num_used_slots, sweep_.options->num_best_sources);
+    return hn::Add(*cost, PriorCost(sweep_, planes.rho, seed_rho_));
+  }
+
+  void Try(const Planes& planes, M allowed) {
+    const D d;
+    // Planes behind the camera, or far outside of what the seed leaves open.
+    allowed = hn::And(allowed,
+                      hn::Gt(planes.rho, hn::Mul(seed_rho_, hn::Set(d, 0.2f))));
+    V cost;
+    const V total = Cost(planes, &cost);
+    const M better = hn::And(allowed, hn::Lt(total, best_total_));
+    best_.rho = hn::IfThenElse(better, planes.rho, best_.rho);
+    best_.rho_x = hn::IfThenElse(better, planes.rho_x, best_.rho_x);
+    best_.rho_y = hn::IfThenElse(better, planes.rho_y, best_.rho_y);
+    best_cost_ = hn::IfThenElse(better, cost, best_cost_);
+    best_total_ = hn::IfThenElse(better, total, best_total_);
+  }
+
+  void TryNeighbor(const int dx, const int dy) {
+    const D d;
+    const PlaneMaps& maps = *sweep_.maps;
+    const int row = row_ + dy;
+    if (row < 0 || row >= maps.height) {
+      return;
+    }
+    HWY_ALIGN float values[3][16] = {};
+    HWY_ALIGN float exists[16] = {};
+    for (int i = 0; i < num_pixels_; ++i) {
+      const int col = cols_[i] + dx;
+      if (col >= 0 && col < maps.width) {
+        const size_t index = static_cast<size_t>(row) * maps.width + col;
+        values[0][i] =
+            maps.rho[index] - dx * maps.rho_x[index] - dy * maps.rho_y[index];
+        values[1][i] = maps.rho_x[index];
+        values[2][i] = maps.rho_y[index];
+        exists[i] = 1;
+      }
+    }
+    Try({hn::Load(d, values[0]),
+         hn::Load(d, values[1]),
+         hn::Load(d, values[2])},
+        hn::Gt(hn::Load(d, exists), hn::Zero(d)));
+  }
+
+  const PatchMatchSweep& sweep_;
+  const int row_;
+  const int num_pixels_;
+  int cols_[16];
+  V x_;
+  V y_;
+  V seed_rho_;
+  Window window_;
+  VI slots_[kMaxSlots];
+  Planes best_;
+  V best_cost_;
+  V best_total_;
+};
+
+void SweepRow(const PatchMatchSweep& sweep, const int row) {
+  const int lanes = static_cast<int>(hn::Lanes(D()));
+  const int width = sweep.maps->width;
+  for (int col = (row + sweep.color) % 2; col < width; col += 2 * lanes) {
+    const int num_pixels = std::min(lanes, (width - col + 1) / 2);
+    PixelBlock block(sweep, row, col, num_pixels);
+    if (sweep.iteration < 0) {
+      block.ChooseSources();
+      block.LoadSources();
+      block.EvaluateCurrent();
+    } else {
+      block.LoadSources();
+      block.Improve();
+    }
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace structnerf
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace structnerf {
+
+HWY_EXPORT(SweepRow);
+
+PatchMatch::PatchMatch(const Scene& scene,
+                       const SceneFrame& frame,
+                       const TrainingViews& views,
+                       const std::vector<std::vector<int>>& sources,
+                       const StereoOptions& options)
+    : views_(views), options_(options) {
+  for (const std::vector<int>& view_sources : sources) {
+    num_slots_ = std::max(num_slots_, static_cast<int>(view_sources.size()));
+  }
+  warps_.assign(sources.size() * num_slots_, ViewWarp{});
+  for (size_t v = 0; v < sources.size(); ++v) {
+    for (size_t s = 0; s < sources[v].size(); ++s) {
+      warps_[v * num_slots_ + s] =
+          MakeViewWarp(scene.views[v],
+                       scene.views[sources[v][s]],
+                       views.image(static_cast<int>(v)),
+                       views.image(sources[v][s]),
+                       frame.scale);
+    }
+  }
+}
+
+void PatchMatch::Refine(const int view_idx,
+                        ThreadPool* pool,
+                        PlaneMaps* maps) const {
+  const size_t num_pixels = static_cast<size_t>(maps->width) * maps->height;
+  maps->cost.assign(num_pixels, 2.0f);
+  if (num_slots_ == 0) {
+    return;
+  }
+  const std::vector<float> seed_rho = maps->rho;
+  std::vector<float> total_cost(num_pixels, 0.0f);
+  PatchMatchSweep sweep;
+  sweep.warps = warps_.data() + static_cast<size_t>(view_idx) * num_slots_;
+  sweep.num_slots = num_slots_;
+  sweep.grays = views_.Grays();
+  sweep.first_pixel = views_.image(view_idx).first_pixel;
+  sweep.options = &options_;
+  sweep.seed_rho = seed_rho.data();
+  sweep.maps = maps;
+  sweep.total_cost = total_cost.data();
+  sweep.num_used_slots = std::min(num_slots_, options_.num_used_sources);
+  std::vector<int32_t> best_slots(num_pixels * sweep.num_used_slots);
+  sweep.best_slots = best_slots.data();
+  for (int iteration = -1; iteration < options_.num_iterations; ++iteration) {
+    sweep.iteration = iteration;
+    for (sweep.color = 0; sweep.color < 2; ++sweep.color) {
+      pool->ParallelFor(maps->height, [&](const size_t row, int) {
+        HWY_DYNAMIC_DISPATCH(SweepRow)(sweep, static_cast<int>(row));
+      });
+    }
+  }
+}
+
+}  // namespace structnerf
+#endif  // HWY_ONCE

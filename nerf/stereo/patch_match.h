@@ -1,0 +1,61 @@
+#pragma once
+
+#include "nerf/losses/view_warp.h"
+#include "nerf/options.h"
+#include "nerf/scene.h"
+#include "nerf/scene_frame.h"
+#include "nerf/train/training_views.h"
+#include "nerf/util/thread_pool.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace structnerf {
+
+// A plane per pixel of one view: inverse depth (field units) at the pixel's
+// centre and its slope per pixel. Inverse depth of a plane is affine in pixel
+// coordinates, so moving a plane to a neighbour is one multiply-add per axis.
+struct PlaneMaps {
+  int width = 0;
+  int height = 0;
+  std::vector<float> rho;
+  std::vector<float> rho_x;
+  std::vector<float> rho_y;
+
+  // Matching cost in [0, 2]: one minus the correlation of the patch with those
+  // of its best sources; 1 if it has no texture, 2 if no source sees it.
+  std::vector<float> cost;
+};
+
+// Slanted-window stereo (Bleyer et al. 2011) between one view and its sources,
+// seeded by the radiance field. Planes spread between neighbouring pixels and
+// are perturbed at random; what is kept minimises
+//   cost + prior_weight * min(1, |rho / rho_seed - 1| / prior_tolerance).
+// The cost is one minus the correlation (normalised, bilaterally weighted) of
+// the patch, averaged over the best sources. Without texture the correlation is
+// damped to zero, so blank areas keep their seed.
+//
+// Pixels are worked on in vectors, in two colours of a checkerboard, and the
+// random numbers depend on pixel and iteration only: results do not depend on
+// the number of threads.
+class PatchMatch {
+ public:
+  // `sources`: source views of each view, best first.
+  PatchMatch(const Scene& scene,
+             const SceneFrame& frame,
+             const TrainingViews& views,
+             const std::vector<std::vector<int>>& sources,
+             const StereoOptions& options);
+
+  // `maps` holds the seed and receives the result. `pool` may be used by nobody
+  // else at that time.
+  void Refine(int view_idx, ThreadPool* pool, PlaneMaps* maps) const;
+
+ private:
+  const TrainingViews& views_;
+  const StereoOptions options_;
+  int num_slots_ = 0;            // source slots per view
+  std::vector<ViewWarp> warps_;  // views x num_slots_
+};
+
+}  // namespace structnerf
