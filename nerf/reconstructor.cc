@@ -27,8 +27,19 @@ constexpr size_t kBytesPerTrainingPixel = 3 + 4 + 2 + 4 + 1 + 4;
 // Bytes per pixel of the maps of one view: depth, deviation, normal.
 constexpr size_t kBytesPerMapPixel = 5 * sizeof(float);
 
-// Bytes per grid feature: value and two moments, gradient, half-precision copy.
-constexpr size_t kBytesPerFeature = 3 * 4 + 4 + 2;
+// Bytes per grid feature: value and two moments, half-precision copy.
+constexpr size_t kBytesPerFeature = 4 + 2 * 2 + 2;
+
+// Bytes per sample of a step: position and density; at each level 8 corner
+// pairs of the gradient and the gradient by the features.
+constexpr size_t kBytesPerSample = 4 * sizeof(float);
+constexpr size_t kBytesPerSampleAndLevel =
+    8 * 3 * sizeof(float) + kGridFeatures * sizeof(float);
+
+// Bytes per pixel of a view whose depth is refined: planes, seed, two costs,
+// and those per used source.
+constexpr size_t kBytesPerRefinedPixel = 6 * sizeof(float);
+constexpr size_t kBytesPerRefinedPixelAndSource = sizeof(int32_t);
 
 EngineOptions MakeEngineOptions(const ReconstructionOptions& options,
                                 const SceneFrame& frame) {
@@ -141,13 +152,19 @@ size_t Reconstructor::EstimateMemory(const ReconstructionOptions& options,
   const FieldLayout layout(options.field, Eigen::Vector3f::Ones());
   const size_t field =
       layout.num_grid_entries * kGridFeatures * kBytesPerFeature;
-  // Per sample of a step: encoding gradient and position.
-  const size_t step = static_cast<size_t>(options.training.rays_per_step) *
-                      options.sampling.num_samples *
-                      (layout.encoding_width + 3) * sizeof(float);
+  const size_t step =
+      static_cast<size_t>(options.training.rays_per_step) *
+      (options.sampling.num_samples *
+           (kBytesPerSample + layout.levels.size() * kBytesPerSampleAndLevel) +
+       // One gradient of the networks per tile.
+       layout.num_network_parameters * sizeof(float) / kMaxTileRays);
   const size_t cache =
       static_cast<size_t>(std::pow(options.sampling.cache_resolution, 3.0));
-  return field + step + cache +
+  const size_t refinement = static_cast<size_t>(
+      training_pixels *
+      (kBytesPerRefinedPixel +
+       kBytesPerRefinedPixelAndSource * options.stereo.num_used_sources));
+  return field + step + cache + refinement +
          static_cast<size_t>(num_views * training_pixels *
                              kBytesPerTrainingPixel) +
          width * height * kBytesPerMapPixel;
@@ -168,6 +185,9 @@ void Reconstructor::Train(Progress* progress) {
                   impl_->options,
                   impl_->engine.get());
   impl_->summary = trainer.Run(progress);
+  // What is rendered from now on is exactly what SaveField would save, though
+  // training may have stopped while levels were coming in.
+  impl_->engine->SetParameters(impl_->engine->Parameters());
   impl_->engine->RebuildDensityCache();
 }
 

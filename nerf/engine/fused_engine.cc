@@ -201,6 +201,7 @@ class FusedEngine : public RenderEngine {
   FieldParameters Parameters() const override {
     FieldParameters parameters;
     parameters.grid = grid_.Parameters();
+    ApplyLevelWeights(layout_, level_weights_, &parameters.grid);
     parameters.network.assign(network_values_.data(),
                               network_values_.data() + network_values_.size());
     return parameters;
@@ -208,6 +209,7 @@ class FusedEngine : public RenderEngine {
 
   void SetParameters(const FieldParameters& parameters) override {
     grid_.SetParameters(parameters.grid);
+    level_weights_.clear();
     network_values_.Allocate(layout_.num_network_parameters);
     std::copy(parameters.network.begin(),
               parameters.network.end(),
@@ -223,6 +225,9 @@ class FusedEngine : public RenderEngine {
         network_gradient_.data() + network_gradient_.size());
     return gradients;
   }
+
+ protected:
+  DensityCache* MutableCache() override { return &cache_; }
 
  private:
   size_t TileSamples() const { return kMaxTileRays * sampling_.num_samples; }

@@ -68,7 +68,8 @@ class RenderEngine {
 
   // Evaluates the density of every cell anew, at several points each. For
   // rendering: training sees most of a cell's history, a rendered ray only what
-  // the cache says now, and misses a surface where it says nothing.
+  // the cache says now, and misses a surface where it says nothing. The result
+  // depends on the parameters alone.
   void RebuildDensityCache();
 
   virtual const DensityCache& Cache() const = 0;
@@ -78,6 +79,8 @@ class RenderEngine {
                       bool with_color,
                       std::vector<RayOutputs>* outputs) = 0;
 
+  // The field as it is rendered: features times the weight their level last
+  // had. Once set, all levels count fully.
   virtual FieldParameters Parameters() const = 0;
   virtual void SetParameters(const FieldParameters& parameters) = 0;
 
@@ -86,6 +89,14 @@ class RenderEngine {
 
   // Number of objectives that Accumulate wants.
   virtual int NumThreads() const = 0;
+
+ protected:
+  virtual DensityCache* MutableCache() = 0;
+
+  // Multiplies features by the weight of their level; empty = all one.
+  static void ApplyLevelWeights(const FieldLayout& layout,
+                                const std::vector<float>& level_weights,
+                                std::vector<float>* grid);
 };
 
 // What every implementation is built from.

@@ -253,10 +253,13 @@ class TorchEngine : public RenderEngine {
   }
 
   FieldParameters Parameters() const override {
-    return {CopyValues(grid_), CopyValues(network_)};
+    FieldParameters parameters = {CopyValues(grid_), CopyValues(network_)};
+    ApplyLevelWeights(layout_, level_weights_, &parameters.grid);
+    return parameters;
   }
 
   void SetParameters(const FieldParameters& parameters) override {
+    level_weights_.clear();
     grid_ = MakeTensor(parameters.grid)
                 .view({-1, kGridFeatures})
                 .requires_grad_(true);
@@ -270,6 +273,9 @@ class TorchEngine : public RenderEngine {
     };
     return {gradient(grid_), gradient(network_)};
   }
+
+ protected:
+  DensityCache* MutableCache() override { return &cache_; }
 
  private:
   // Columns of RayGradients.

@@ -28,6 +28,12 @@ DensityCache::DensityCache(const int resolution,
   }
 }
 
+void DensityCache::Clear() {
+  std::fill(cells_.begin(), cells_.end(), uint8_t{0});
+  first_visit_ = 0;
+  next_visit_ = 0;
+}
+
 void DensityCache::NextPoints(const size_t count,
                               float* x,
                               float* y,

@@ -35,6 +35,9 @@ class DensityCache {
   // at any cell valid.
   const uint8_t* Data() const { return cells_.data(); }
 
+  // Forgets everything, the order of visits included: no light ends anywhere.
+  void Clear();
+
   // Writes the points, in field coordinates, at which the next `count` cells
   // want to know the density: every cell comes up once in NumCells() points,
   // neighbours far apart, at a place in the cell that changes from round to

@@ -88,6 +88,9 @@ class FakeEngine : public RenderEngine {
   FieldParameters Gradients() const override { return {}; }
   int NumThreads() const override { return 1; }
 
+ protected:
+  DensityCache* MutableCache() override { return &cache_; }
+
  private:
   static FieldOptions MakeFieldOptions(const int num_levels) {
     FieldOptions options;
