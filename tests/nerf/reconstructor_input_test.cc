@@ -1,0 +1,377 @@
+// What the method says about scenes that are wrong, and that it takes scenes
+// that are odd.
+
+#include "nerf/reconstructor.h"
+#include "nerf/util/random.h"
+#include "tests/nerf/plane_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <stdexcept>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <malloc.h>
+
+namespace structnerf {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+ReconstructionOptions TinyOptions() {
+  ReconstructionOptions options;
+  options.field.num_levels = 2;
+  options.field.log2_table_size = 12;
+  options.field.max_resolution = 64;
+  options.sampling.cache_resolution = 16;
+  options.training.num_steps = 40;
+  options.training.rays_per_step = 64;
+  options.training.num_threads = 1;
+  return options;
+}
+
+// Four views of a textured wall with points all over it.
+Scene MakeWallScene() {
+  TexturedPlane plane;
+  Scene scene;
+  for (int v = 0; v < 4; ++v) {
+    View view = MakeView("photo" + std::to_string(v) + ".jpg",
+                         MakeCamera(32, 24, 30),
+                         {0.3 * v - 0.4, 0.1 * (v % 2), 0});
+    plane.Photograph(32, 24, &view);
+    scene.views.push_back(view);
+  }
+  for (int i = 0; i < 60; ++i) {
+    scene.points.push_back(MakePoint(
+        scene, {0.31 * (i % 10) - 1.4, 0.37 * (i / 10) - 1, 4}, {0, 1, 2, 3}));
+  }
+  return scene;
+}
+
+std::vector<DenseMaps> TrainAndRender(const Scene& scene,
+                                      const ReconstructionOptions& options) {
+  Reconstructor reconstructor(scene, options);
+  Progress progress;
+  reconstructor.Train(&progress);
+  std::vector<DenseMaps> maps;
+  for (size_t v = 0; v < scene.views.size(); ++v) {
+    maps.push_back(reconstructor.RenderView(v, &progress));
+  }
+  return maps;
+}
+
+void ExpectFinite(const std::vector<DenseMaps>& maps) {
+  for (const DenseMaps& view_maps : maps) {
+    for (const std::vector<float>* values :
+         {&view_maps.depth, &view_maps.normal, &view_maps.relative_std}) {
+      EXPECT_TRUE(std::all_of(values->begin(),
+                              values->end(),
+                              [](const float f) { return std::isfinite(f); }));
+    }
+  }
+}
+
+void ExpectRefused(const Scene& scene,
+                   const ReconstructionOptions& options,
+                   const std::string& matter) {
+  try {
+    Reconstructor reconstructor(scene, options);
+    ADD_FAILURE() << "nothing was thrown";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_THAT(error.what(), HasSubstr(matter));
+  }
+}
+
+TEST(Reconstructor, WrongScenesAndOptionsAreRefused) {
+  const ReconstructionOptions options = TinyOptions();
+  Scene scene = MakeWallScene();
+  scene.views.resize(1);
+  scene.points.clear();
+  ExpectRefused(scene, options, "fewer than two registered images");
+  ExpectRefused(Scene(), options, "fewer than two registered images");
+
+  scene = MakeWallScene();
+  scene.points.clear();
+  ExpectRefused(scene, options, "no points");
+
+  scene = MakeWallScene();
+  scene.views[2].image.data.pop_back();
+  ExpectRefused(scene, options, "photo2.jpg");
+
+  scene = MakeWallScene();
+  for (View& view : scene.views) {
+    view.mask.assign(32 * 24, 0);
+  }
+  ExpectRefused(scene, options, "masks leave no pixel");
+
+  ReconstructionOptions wrong = TinyOptions();
+  wrong.sampling.num_samples = 0;
+  ExpectRefused(MakeWallScene(), wrong, "num_samples");
+
+  wrong = TinyOptions();
+  wrong.training.test_every = 2;
+  scene = MakeWallScene();
+  scene.views.resize(3);
+  for (SparsePoint& point : scene.points) {
+    point.track.resize(3);
+  }
+  EXPECT_NO_THROW(Reconstructor(scene, wrong));
+  scene.views.resize(2);
+  for (SparsePoint& point : scene.points) {
+    point.track.resize(2);
+  }
+  ExpectRefused(scene, wrong, "test_every");
+}
+
+TEST(Reconstructor, ViewThatDoesNotExist) {
+  const Reconstructor reconstructor(MakeWallScene(), TinyOptions());
+  Progress progress;
+  EXPECT_THROW(reconstructor.RenderView(4, &progress), std::out_of_range);
+}
+
+TEST(Reconstructor, HealthyScenesGiveNoWarnings) {
+  const Reconstructor reconstructor(MakeWallScene(), TinyOptions());
+  EXPECT_THAT(reconstructor.Warnings(), IsEmpty());
+  ASSERT_EQ(reconstructor.SourceViews().size(), 4u);
+  for (int v = 0; v < 4; ++v) {
+    EXPECT_EQ(reconstructor.SourceViews()[v].size(), 3u);
+    EXPECT_THAT(reconstructor.SourceViews()[v], Not(Contains(v)));
+  }
+}
+
+TEST(Reconstructor, ViewsWithoutPointsOrSourcesAreNamed) {
+  Scene scene = MakeWallScene();
+  // One sees no point; one looks the other way from the same place.
+  for (SparsePoint& point : scene.points) {
+    point.track.erase(point.track.begin() + 2);
+  }
+  View away =
+      MakeView("away.jpg", scene.views[0].camera, {0.5, 0, 0}, {0, 0, -1});
+  away.image = PlainImage(32, 24, 90);
+  scene.views.push_back(away);
+  Reconstructor reconstructor(scene, TinyOptions());
+  EXPECT_THAT(reconstructor.Warnings(), Contains(HasSubstr("photo2.jpg")));
+  EXPECT_THAT(reconstructor.Warnings(), Contains(HasSubstr("away.jpg")));
+  EXPECT_THAT(reconstructor.Warnings(), Not(Contains(HasSubstr("photo1.jpg"))));
+  // And they train all the same.
+  ExpectFinite(TrainAndRender(scene, TinyOptions()));
+}
+
+// Images that say nothing must not break anything.
+TEST(Reconstructor, PlainImagesGiveFiniteMaps) {
+  for (const int value : {0, 128, 255}) {
+    Scene scene = MakeWallScene();
+    for (View& view : scene.views) {
+      view.image = PlainImage(32, 24, static_cast<uint8_t>(value));
+    }
+    ReconstructionOptions options = TinyOptions();
+    options.training.num_steps = 200;
+    const auto maps = TrainAndRender(scene, options);
+    ExpectFinite(maps);
+    // The points alone put most of the wall in its place.
+    int num_right = 0;
+    for (const float depth : maps[1].depth) {
+      num_right += std::abs(depth - 4) < 0.8f;
+    }
+    EXPECT_GT(num_right, 32 * 24 / 2) << value;
+  }
+}
+
+TEST(Reconstructor, NoiseGivesFiniteMaps) {
+  Scene scene = MakeWallScene();
+  Random random(3);
+  for (View& view : scene.views) {
+    for (uint8_t& value : view.image.data) {
+      value = static_cast<uint8_t>(random.NextBelow(256));
+    }
+  }
+  ReconstructionOptions options = TinyOptions();
+  // As wild as options allow.
+  options.training.grid_learning_rate = 1000;
+  options.training.network_learning_rate = 1000;
+  ExpectFinite(TrainAndRender(scene, options));
+}
+
+TEST(Reconstructor, ExtremeOptionsGiveFiniteMaps) {
+  const Scene scene = MakeWallScene();
+  const auto expect_finite =
+      [&](const std::function<void(ReconstructionOptions*)>& change) {
+        ReconstructionOptions options = TinyOptions();
+        options.training.num_steps = 10;
+        change(&options);
+        ExpectFinite(TrainAndRender(scene, options));
+      };
+  expect_finite([](ReconstructionOptions* o) { o->field.num_levels = 1; });
+  expect_finite([](ReconstructionOptions* o) {
+    o->field.num_levels = 16;
+    o->field.log2_table_size = 10;
+    o->field.hidden_width = 64;
+    o->field.max_resolution = 65536;
+  });
+  expect_finite([](ReconstructionOptions* o) { o->sampling.num_samples = 1; });
+  expect_finite([](ReconstructionOptions* o) {
+    o->sampling.num_samples = 64;
+    o->sampling.num_bins = 8;
+  });
+  expect_finite([](ReconstructionOptions* o) {
+    o->sampling.num_bins = 256;
+    o->sampling.uniform_share = 0;
+    o->sampling.cache_resolution = 8;
+    o->sampling.cache_interval = 1;
+  });
+  expect_finite([](ReconstructionOptions* o) {
+    o->loss.patch_radius = 3;
+    o->loss.patch_dilation = 16;  // wider than the image
+    o->loss.num_sources = 32;
+    o->loss.num_best_sources = 32;
+  });
+  expect_finite([](ReconstructionOptions* o) { o->training.num_steps = 1; });
+  expect_finite([](ReconstructionOptions* o) {
+    o->loss.color_weight = 0;
+    o->loss.patch_weight = 0;
+    o->loss.sparse_weight = 0;
+    o->loss.prior_weight = 0;
+  });
+}
+
+bool AreEqual(const std::vector<DenseMaps>& a,
+              const std::vector<DenseMaps>& b) {
+  for (size_t v = 0; v < a.size(); ++v) {
+    if (std::memcmp(a[v].depth.data(),
+                    b[v].depth.data(),
+                    a[v].depth.size() * sizeof(float)) != 0) {
+      return false;
+    }
+  }
+  return true;
+}
+
+// Whatever is under a mask, training does not see it.
+TEST(Reconstructor, MaskedPixelsHaveNoInfluence) {
+  Scene scene = MakeWallScene();
+  for (View& view : scene.views) {
+    view.mask.assign(32 * 24, 255);
+    for (int row = 4; row < 15; ++row) {
+      std::fill_n(view.mask.begin() + row * 32 + 8, 12, 0);
+    }
+    view.segments.assign(32 * 24, 1);
+  }
+  const auto expected = TrainAndRender(scene, TinyOptions());
+  for (View& view : scene.views) {
+    for (size_t i = 0; i < view.mask.size(); ++i) {
+      if (view.mask[i] == 0) {
+        view.image.data[3 * i] ^= 0xff;
+        view.image.data[3 * i + 1] ^= 0x55;
+      }
+    }
+  }
+  EXPECT_TRUE(AreEqual(TrainAndRender(scene, TinyOptions()), expected));
+  // The test can tell: next to the mask it does matter.
+  scene.views[0].image.data[3 * (20 * 32 + 5)] ^= 0xff;
+  EXPECT_FALSE(AreEqual(TrainAndRender(scene, TinyOptions()), expected));
+}
+
+// A view that is held out neither is drawn nor guides the others.
+TEST(Reconstructor, HeldOutPhotographsHaveNoInfluence) {
+  ReconstructionOptions options = TinyOptions();
+  options.training.test_every = 3;
+  // Once trained, depth may be refined with every photograph there is.
+  options.stereo.num_iterations = 0;
+  Scene scene = MakeWallScene();
+  const auto expected = TrainAndRender(scene, options);
+  for (uint8_t& value : scene.views[2].image.data) {
+    value ^= 0xff;
+  }
+  EXPECT_TRUE(AreEqual(TrainAndRender(scene, options), expected));
+  scene.views[1].image.data[500] ^= 0xff;
+  EXPECT_FALSE(AreEqual(TrainAndRender(scene, options), expected));
+}
+
+TEST(EstimateMemory, GrowsWithEverythingThatCosts) {
+  const ReconstructionOptions options;
+  const size_t base = Reconstructor::EstimateMemory(options, 20, 640, 480);
+  EXPECT_GT(base, size_t{10} << 20);
+  EXPECT_LT(base, size_t{1} << 30);
+  EXPECT_GT(Reconstructor::EstimateMemory(options, 2000, 640, 480), base);
+  // The maps of a view have its size, not that of the training images.
+  EXPECT_GT(Reconstructor::EstimateMemory(options, 20, 6400, 4800), base);
+  const auto expect_more =
+      [&](const std::function<void(ReconstructionOptions*)>& change) {
+        ReconstructionOptions more;
+        change(&more);
+        EXPECT_GT(Reconstructor::EstimateMemory(more, 20, 640, 480), base);
+      };
+  expect_more([](ReconstructionOptions* o) { o->field.num_levels = 6; });
+  expect_more([](ReconstructionOptions* o) { o->field.log2_table_size = 20; });
+  expect_more([](ReconstructionOptions* o) { o->sampling.num_samples = 64; });
+  expect_more(
+      [](ReconstructionOptions* o) { o->sampling.cache_resolution = 256; });
+  expect_more(
+      [](ReconstructionOptions* o) { o->training.rays_per_step = 8192; });
+  expect_more(
+      [](ReconstructionOptions* o) { o->training.max_image_size = 640; });
+}
+
+#ifdef __GLIBC__
+size_t NumAllocatedBytes() {
+  const struct mallinfo2 info = mallinfo2();
+  return info.uordblks + info.hblkhd;
+}
+
+// A run must not need much more than was promised.
+TEST(EstimateMemory, CoversWhatIsAllocated) {
+  const size_t before = NumAllocatedBytes();
+  if (before == 0) {
+    GTEST_SKIP() << "the allocator keeps no count";
+  }
+  struct Case {
+    int num_views;
+    int size;
+    int rays_per_step;
+    int log2_table_size;
+    int cache_resolution;
+  };
+  // What dominates: images, the rays of a step, the field, the density cache.
+  for (const Case& c : {Case{40, 200, 64, 12, 16},
+                        Case{4, 32, 8192, 12, 16},
+                        Case{4, 32, 64, 18, 16},
+                        Case{4, 32, 64, 12, 256}}) {
+    ReconstructionOptions options = TinyOptions();
+    options.training.num_steps = 2;
+    options.training.rays_per_step = c.rays_per_step;
+    options.field.num_levels = 4;
+    options.field.max_resolution = 512;
+    options.field.log2_table_size = c.log2_table_size;
+    options.sampling.cache_resolution = c.cache_resolution;
+    Scene scene;
+    for (int v = 0; v < c.num_views; ++v) {
+      scene.views.push_back(MakeView(
+          "view", MakeCamera(c.size, c.size, c.size), {0.02 * v, 0, 0}));
+      View& view = scene.views.back();
+      view.image = PlainImage(c.size, c.size, 100);
+      view.mask.assign(c.size * c.size, 255);
+      view.segments.assign(c.size * c.size, 0);
+    }
+    scene.points = {MakePoint(scene, {0, 0, 4}, {0, 1})};
+    const size_t estimate =
+        Reconstructor::EstimateMemory(options, c.num_views, c.size, c.size);
+    Reconstructor reconstructor(std::move(scene), options);
+    Progress progress;
+    reconstructor.Train(&progress);
+    const DenseMaps maps = reconstructor.RenderView(0, &progress);
+    const size_t allocated = NumAllocatedBytes() - before;
+    // A few MiB of small things are not counted.
+    EXPECT_LT(allocated, 1.1 * estimate + (4 << 20));
+    EXPECT_GT(allocated, 0.15 * estimate);
+  }
+}
+#endif
+
+}  // namespace
+}  // namespace structnerf
