@@ -5,6 +5,7 @@
 #include <limits>
 #include <string>
 
+#include <malloc.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -38,6 +39,14 @@ size_t AvailableMemory() {
 size_t MemoryLimit(const double max_memory_gb) {
   return max_memory_gb > 0 ? static_cast<size_t>(max_memory_gb * kBytesPerGb)
                            : AvailableMemory() / 4 * 3;
+}
+
+size_t CurrentMemory() {
+  malloc_trim(0);
+  size_t num_pages = 0;
+  size_t num_resident_pages = 0;
+  std::ifstream("/proc/self/statm") >> num_pages >> num_resident_pages;
+  return num_resident_pages * static_cast<size_t>(sysconf(_SC_PAGESIZE));
 }
 
 size_t PeakMemory() {

@@ -12,6 +12,9 @@ size_t AvailableMemory();
 // three quarters of AvailableMemory() if it is not positive.
 size_t MemoryLimit(double max_memory_gb);
 
+// Memory in bytes that this process holds, after it has given back what it can.
+size_t CurrentMemory();
+
 // The most memory in bytes that this process has held so far.
 size_t PeakMemory();
 

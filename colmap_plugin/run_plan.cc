@@ -31,11 +31,14 @@ constexpr size_t kDecodingBytesPerPixel = 2 * 3;
 // Both kinds of maps, and consistency graphs that are about half full.
 constexpr size_t kDiskBytesPerPixel = 2 * kStereoBytesPerPixel + 16;
 
+// Copies of the sparse model, stacks of threads, what the allocator keeps.
+constexpr size_t kOverheadBytes = size_t{64} << 20;
+
 constexpr int kMinTrainingImageSize = 64;
 
 std::string GbText(const size_t num_bytes) {
   char text[32];
-  snprintf(text, sizeof(text), "%.1f GB", num_bytes / kBytesPerGb);
+  snprintf(text, sizeof(text), "%.2f GB", num_bytes / kBytesPerGb);
   return text;
 }
 
@@ -78,12 +81,13 @@ MemoryPlan PlanMemory(const StructNerfOptions& options,
   const size_t decoding_bytes =
       num_pixels * kDecodingBytesPerPixel *
       std::max(1u, std::thread::hardware_concurrency());
-  const size_t present_bytes = PeakMemory();
+  const size_t present_bytes = CurrentMemory() + kOverheadBytes;
 
   MemoryPlan plan;
   plan.limit = MemoryLimit(options.max_memory_gb);
   ReconstructionOptions reduced = options.reconstruction;
   int& image_size = reduced.training.max_image_size;
+  image_size = std::min(image_size, static_cast<int>(std::max(width, height)));
   const int wanted_image_size = image_size;
   while (true) {
     const size_t training_bytes =

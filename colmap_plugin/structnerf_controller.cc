@@ -288,10 +288,10 @@ void StructNerfController::FusePoints() {
     fusion_options.min_num_pixels = DefaultMinNumPixels(image_names_.size());
   }
   report_.fusion_min_num_pixels = fusion_options.min_num_pixels;
-  const std::string note =
-      FitFusionIntoMemory(UndistortedCameras(*reconstruction_),
-                          memory_plan_.limit,
-                          &fusion_options);
+  const std::string note = FitFusionIntoMemory(
+      UndistortedCameras(*reconstruction_),
+      memory_plan_.limit - std::min(memory_plan_.limit, CurrentMemory()),
+      &fusion_options);
   if (!note.empty()) {
     progress_->Note(note);
   }

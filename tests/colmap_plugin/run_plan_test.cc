@@ -25,16 +25,25 @@ TEST(MemoryLimit, IsThreeQuartersUnlessGiven) {
   EXPECT_NEAR(static_cast<double>(MemoryLimit(-1)),
               0.75 * static_cast<double>(AvailableMemory()),
               4);
-  EXPECT_GT(PeakMemory(), 1 << 20);
+}
+
+TEST(CurrentMemory, FollowsWhatIsHeld) {
+  const size_t before = CurrentMemory();
+  {
+    const std::vector<char> held(100 << 20, 1);
+    EXPECT_GT(CurrentMemory(), before + (90 << 20));
+  }
+  EXPECT_LT(CurrentMemory(), before + (10 << 20));
+  EXPECT_GT(PeakMemory(), before + (90 << 20));
   EXPECT_LT(PeakMemory(), AvailableMemory());
 }
 
 TEST(PlanMemory, KeepsWhatFits) {
   StructNerfOptions options;
+  options.reconstruction.training.max_image_size = 500;
   options.max_memory_gb = 1000;
   const MemoryPlan plan = PlanMemory(options, MakeCameras(20));
-  EXPECT_EQ(plan.max_image_size,
-            options.reconstruction.training.max_image_size);
+  EXPECT_EQ(plan.max_image_size, 500);
   EXPECT_EQ(plan.note, "");
   EXPECT_LT(plan.depth_map_bytes, plan.limit);
 }

@@ -298,5 +298,22 @@ TEST_F(RoomTest, RunsAgainOnItsWorkspaceOnlyWhenAllowed) {
   }
 }
 
+TEST_F(RoomTest, StaysWithinItsMemory) {
+  const ProgramResult result = RunProgram({"structnerf_dense",
+                                           "--image_path",
+                                           *temp_dir_ / "room/images",
+                                           "--input_path",
+                                           *temp_dir_ / "room/sparse/0",
+                                           "--output_path",
+                                           *temp_dir_ / "small",
+                                           "--StructNeRF.quality=high",
+                                           "--StructNeRF.num_steps=10",
+                                           "--StructNeRF.max_memory_gb=0.3"});
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  std::ifstream file(*temp_dir_ / "small/structnerf/report.json");
+  const nlohmann::json report = nlohmann::json::parse(file);
+  EXPECT_LE(report["memory"]["peak_bytes"], report["memory"]["limit_bytes"]);
+}
+
 }  // namespace
 }  // namespace structnerf
