@@ -22,7 +22,9 @@ Eigen::Vector3d RayDirection(const PinholeCamera& camera,
   return {(x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy, 1.0};
 }
 
-// rho(x, y) = n . ray(x, y) / d for the plane n . X = d.
+// rho(x, y) = n . ray(x, y) / d for the plane n . X = d. Without a depth, rho
+// is zero; without a normal that faces the camera, the plane is that of the
+// image.
 ImagePlane PlaneOfPixel(const PinholeCamera& camera,
                         const DenseMaps& maps,
                         const int col,
@@ -32,8 +34,15 @@ ImagePlane PlaneOfPixel(const PinholeCamera& camera,
   const Eigen::Vector3d normal(maps.normal[index],
                                maps.normal[num_pixels + index],
                                maps.normal[2 * num_pixels + index]);
+  if (!(maps.depth[index] > 0)) {
+    return {0, 0, 0};
+  }
   const double rho = 1.0 / maps.depth[index];
-  const double scale = rho / normal.dot(RayDirection(camera, col, row));
+  const double facing = normal.dot(RayDirection(camera, col, row));
+  if (!(facing < 0)) {
+    return {rho, 0, 0};
+  }
+  const double scale = rho / facing;
   return {rho, normal.x() * scale / camera.fx, normal.y() * scale / camera.fy};
 }
 
@@ -101,6 +110,9 @@ void RefineDepth(const View& view,
 
   pool->ParallelFor(camera.height, [&](const size_t map_row, int) {
     for (int map_col = 0; map_col < camera.width; ++map_col) {
+      if (!(maps->depth[map_row * camera.width + map_col] > 0)) {
+        continue;
+      }
       const int col =
           std::min(static_cast<int>(map_col / ratio_x), image.width - 1);
       const int row =

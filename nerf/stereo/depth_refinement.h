@@ -10,7 +10,7 @@ namespace structnerf {
 
 // Matches a view's patches with its sources, starting from the rendered depth
 // and normals in `maps`, and puts the planes found where they match at most
-// `max_cost`. Other pixels stay as they are.
+// `max_cost`. Other pixels, and those without a depth, stay as they are.
 void RefineDepth(const View& view,
                  int view_idx,
                  const SceneFrame& frame,

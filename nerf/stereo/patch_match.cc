@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 // clang-format off
 #undef HWY_TARGET_INCLUDE
@@ -11,12 +12,15 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 #include <hwy/contrib/math/math-inl.h>
-#include "nerf/losses/view_warp-inl.h"
+#include "nerf/stereo/window_cost-inl.h"
 // clang-format on
 
 namespace structnerf {
 #ifndef NERF_STEREO_PATCH_MATCH_ONCE_
 #define NERF_STEREO_PATCH_MATCH_ONCE_
+
+// Most sources per view.
+constexpr int kMaxSlots = 32;
 
 // What a sweep over one view reads and writes.
 struct PatchMatchSweep {
@@ -40,198 +44,6 @@ struct PatchMatchSweep {
 HWY_BEFORE_NAMESPACE();
 namespace structnerf {
 namespace HWY_NAMESPACE {
-
-// Most taps of a window, and most sources per view.
-constexpr int kMaxWindowTaps = 121;
-constexpr int kMaxSlots = 32;
-
-// Fall-off of a tap's weight with its difference in grey value to the centre,
-// and with its distance in units of the window's radius.
-constexpr float kColorFalloff = 0.12f;
-constexpr float kSpaceFalloff = 1.0f;
-
-// Variance in grey value (of [0, 1]) below which a patch has no texture: noise
-// of about one grey level.
-constexpr float kNoiseVariance = 1.5e-5f;
-
-constexpr float kWorstCost = 2.0f;
-
-// Taps of the view itself: weights sum to one, values have mean zero.
-struct Window {
-  int num_taps = 0;
-  float dx[kMaxWindowTaps];
-  float dy[kMaxWindowTaps];
-  V weight[kMaxWindowTaps];
-  V reference[kMaxWindowTaps];
-  V variance;
-};
-
-struct Planes {
-  V rho;
-  V rho_x;
-  V rho_y;
-};
-
-void ReadWindow(const PatchMatchSweep& sweep,
-                const int num_pixels,
-                const int* cols,
-                const int row,
-                Window* window) {
-  const D d;
-  const PlaneMaps& maps = *sweep.maps;
-  const int radius = sweep.options->window_radius;
-  const int step = sweep.options->window_step;
-  const uint16_t* const image = sweep.grays + sweep.first_pixel;
-  HWY_ALIGN float center[16] = {};
-  for (int i = 0; i < num_pixels; ++i) {
-    center[i] = kInverseMaxGray *
-                image[static_cast<size_t>(row) * maps.width + cols[i]];
-  }
-  const V center_value = hn::Load(d, center);
-  window->num_taps = 0;
-  V sum_weights = hn::Zero(d);
-  V sum = hn::Zero(d);
-  for (int dy = -radius; dy <= radius; dy += step) {
-    for (int dx = -radius; dx <= radius; dx += step) {
-      HWY_ALIGN float values[16] = {};
-      HWY_ALIGN float inside[16] = {};
-      const int y = row + dy;
-      if (y >= 0 && y < maps.height) {
-        for (int i = 0; i < num_pixels; ++i) {
-          const int x = cols[i] + dx;
-          if (x >= 0 && x < maps.width) {
-            const uint16_t gray =
-                image[static_cast<size_t>(y) * maps.width + x];
-            values[i] = kInverseMaxGray * gray;
-            inside[i] = gray != TrainingViews::kMaskedGray;
-          }
-        }
-      }
-      const int tap = window->num_taps++;
-      window->dx[tap] = static_cast<float>(dx);
-      window->dy[tap] = static_cast<float>(dy);
-      const V value = hn::Load(d, values);
-      const float distance2 =
-          static_cast<float>(dx * dx + dy * dy) / (radius * radius);
-      const V exponent =
-          hn::Add(hn::Mul(hn::Abs(hn::Sub(value, center_value)),
-                          hn::Set(d, -1.0f / kColorFalloff)),
-                  hn::Set(d, -distance2 / (2 * kSpaceFalloff * kSpaceFalloff)));
-      const V weight = hn::Mul(hn::Exp(d, exponent), hn::Load(d, inside));
-      window->weight[tap] = weight;
-      window->reference[tap] = value;
-      sum_weights = hn::Add(sum_weights, weight);
-      sum = hn::MulAdd(weight, value, sum);
-    }
-  }
-  const V inverse =
-      hn::Div(hn::Set(d, 1.0f), hn::Max(sum_weights, hn::Set(d, 1e-6f)));
-  const V mean = hn::Mul(sum, inverse);
-  window->variance = hn::Zero(d);
-  for (int tap = 0; tap < window->num_taps; ++tap) {
-    window->weight[tap] = hn::Mul(window->weight[tap], inverse);
-    window->reference[tap] = hn::Sub(window->reference[tap], mean);
-    window->variance =
-        hn::MulAdd(window->weight[tap],
-                   hn::Mul(window->reference[tap], window->reference[tap]),
-                   window->variance);
-  }
-}
-
-// One minus the correlation with one source per lane; kWorstCost where the
-// source does not see the whole patch.
-V SourceCost(const PatchMatchSweep& sweep,
-             const VI slot,
-             const Window& window,
-             const V x,
-             const V y,
-             const Planes& planes) {
-  const D d;
-  const WarpVector warp = GatherWarps(sweep.warps, slot);
-  const V one = hn::Set(d, 1.0f);
-  const V half = hn::Set(d, 0.5f);
-  V center[3];
-  V by_x[3];
-  V by_y[3];
-  for (int i = 0; i < 3; ++i) {
-    center[i] = hn::MulAdd(
-        warp.h[3 * i],
-        x,
-        hn::MulAdd(warp.h[3 * i + 1],
-                   y,
-                   hn::MulAdd(warp.b[i], planes.rho, warp.h[3 * i + 2])));
-    by_x[i] = hn::MulAdd(warp.b[i], planes.rho_x, warp.h[3 * i]);
-    by_y[i] = hn::MulAdd(warp.b[i], planes.rho_y, warp.h[3 * i + 1]);
-  }
-  M valid = hn::RebindMask(d, hn::Gt(warp.stride, hn::Zero(DI())));
-  V sum = hn::Zero(d);
-  V sum_squares = hn::Zero(d);
-  V covariance = hn::Zero(d);
-  for (int tap = 0; tap < window.num_taps; ++tap) {
-    const V dx = hn::Set(d, window.dx[tap]);
-    const V dy = hn::Set(d, window.dy[tap]);
-    V p[3];
-    for (int i = 0; i < 3; ++i) {
-      p[i] = hn::MulAdd(by_x[i], dx, hn::MulAdd(by_y[i], dy, center[i]));
-    }
-    valid = hn::And(valid, hn::Gt(p[2], hn::Set(d, kMinDepthRatio)));
-    const V inverse = hn::Div(one, hn::Max(p[2], hn::Set(d, kMinDepthRatio)));
-    const V u = hn::MulSub(p[0], inverse, half);
-    const V v = hn::MulSub(p[1], inverse, half);
-    valid = hn::And(valid, IsInside(warp, u, v));
-    if (hn::AllFalse(d, valid)) {
-      return hn::Set(d, kWorstCost);
-    }
-    V by_u;
-    V by_v;
-    M unmasked;
-    const V value = Bilinear(sweep.grays,
-                             warp,
-                             hn::IfThenElseZero(valid, u),
-                             hn::IfThenElseZero(valid, v),
-                             valid,
-                             &by_u,
-                             &by_v,
-                             &unmasked);
-    valid = hn::And(valid, unmasked);
-    const V weighted = hn::Mul(window.weight[tap], value);
-    sum = hn::Add(sum, weighted);
-    sum_squares = hn::MulAdd(weighted, value, sum_squares);
-    covariance = hn::MulAdd(weighted, window.reference[tap], covariance);
-  }
-  // Values are in [0, 1] and weights sum to one, so this cancels to 1e-7 at
-  // worst, far below the variance that counts as noise.
-  const V variance = hn::Max(hn::NegMulAdd(sum, sum, sum_squares), hn::Zero(d));
-  const V noise = hn::Set(d, kNoiseVariance);
-  const V correlation =
-      hn::Div(covariance,
-              hn::Sqrt(hn::Mul(hn::Add(window.variance, noise),
-                               hn::Add(variance, noise))));
-  return hn::IfThenElse(
-      valid, hn::Sub(one, correlation), hn::Set(d, kWorstCost));
-}
-
-// Mean of the `count` smallest of costs[0 .. n), per lane; slots that see
-// nothing are left out as long as others see something.
-V MeanOfBest(V* costs, const int n, const int count) {
-  const D d;
-  V sum = hn::Zero(d);
-  V sum_weights = hn::Zero(d);
-  for (int k = 0; k < std::min(count, n); ++k) {
-    for (int i = k + 1; i < n; ++i) {
-      const V smaller = hn::Min(costs[k], costs[i]);
-      costs[i] = hn::Max(costs[k], costs[i]);
-      costs[k] = smaller;
-    }
-    const V weight = hn::IfThenElseZero(
-        hn::Lt(costs[k], hn::Set(d, kWorstCost)), hn::Set(d, 1.0f));
-    sum = hn::MulAdd(weight, costs[k], sum);
-    sum_weights = hn::Add(sum_weights, weight);
-  }
-  return hn::IfThenElse(hn::Gt(sum_weights, hn::Zero(d)),
-                        hn::Div(sum, hn::Max(sum_weights, hn::Set(d, 1.0f))),
-                        hn::Set(d, kWorstCost));
-}
 
 V PriorCost(const PatchMatchSweep& sweep, const V rho, const V seed_rho) {
   const D d;
@@ -267,7 +79,14 @@ class PixelBlock {
     x_ = hn::Load(d, x);
     y_ = hn::Load(d, y);
     seed_rho_ = hn::Load(d, seed);
-    ReadWindow(sweep, num_pixels, cols_, row, &window_);
+    ReadWindow(*sweep.options,
+               sweep.grays + sweep.first_pixel,
+               sweep.maps->width,
+               sweep.maps->height,
+               num_pixels,
+               cols_,
+               row,
+               &window_);
   }
 
   // Cost of the seed in all sources; the best become those that are used.
@@ -277,9 +96,7 @@ class PixelBlock {
     const Planes planes = Load();
     HWY_ALIGN float costs[kMaxSlots][16];
     for (int slot = 0; slot < sweep_.num_slots; ++slot) {
-      hn::Store(SourceCost(sweep_, hn::Set(di, slot), window_, x_, y_, planes),
-                d,
-                costs[slot]);
+      hn::Store(CostOf(hn::Set(di, slot), planes), d, costs[slot]);
     }
     for (int i = 0; i < num_pixels_; ++i) {
       int order[kMaxSlots];
@@ -308,11 +125,18 @@ class PixelBlock {
     }
   }
 
+  // A pixel without a seed, or one that no source sees there, keeps a total
+  // cost of zero, which nothing beats.
   void EvaluateCurrent() {
+    const D d;
     const Planes planes = Load();
     V cost;
     const V total = Cost(planes, &cost);
-    Keep(planes, cost, total, hn::Eq(total, total));
+    Keep(planes,
+         cost,
+         total,
+         hn::And(hn::Gt(seed_rho_, hn::Zero(d)),
+                 hn::Lt(cost, hn::Set(d, kWorstCost))));
   }
 
   // Tries the planes of neighbours and random changes of the own.
@@ -405,15 +229,23 @@ class PixelBlock {
     }
   }
 
-  // Total cost; the matching cost alone goes to `cost`.
+  V CostOf(const VI slot, const Planes& planes) const {
+    return SourceCost(
+        sweep_.grays, GatherWarps(sweep_.warps, slot), window_, x_, y_, planes);
+  }
+
+  // Total cost; the matching cost alone goes to `cost`. What does not match at
+  // all is as good as what has no texture: no reason to leave the seed for
+  // another plane that does not match, either.
   V Cost(const Planes& planes, V* cost) {
     V costs[kMaxSlots];
     for (int k = 0; k < sweep_.num_used_slots; ++k) {
-      costs[k] = SourceCost(sweep_, slots_[k], window_, x_, y_, planes);
+      costs[k] = CostOf(slots_[k], planes);
     }
     *cost = MeanOfBest(
         costs, sweep_.num_used_slots, sweep_.options->num_best_sources);
-    return hn::Add(*cost, PriorCost(sweep_, planes.rho, seed_rho_));
+    return hn::Add(hn::Min(*cost, hn::Set(D(), 1.0f)),
+                   PriorCost(sweep_, planes.rho, seed_rho_));
   }
 
   void Try(const Planes& planes, M allowed) {
@@ -505,6 +337,9 @@ PatchMatch::PatchMatch(const Scene& scene,
     : views_(views), options_(options) {
   for (const std::vector<int>& view_sources : sources) {
     num_slots_ = std::max(num_slots_, static_cast<int>(view_sources.size()));
+  }
+  if (num_slots_ > kMaxSlots) {
+    throw std::invalid_argument("at most 32 source views per view");
   }
   warps_.assign(sources.size() * num_slots_, ViewWarp{});
   for (size_t v = 0; v < sources.size(); ++v) {

@@ -30,25 +30,28 @@ struct PlaneMaps {
 // Slanted-window stereo (Bleyer et al. 2011) between one view and its sources,
 // seeded by the radiance field. Planes spread between neighbouring pixels and
 // are perturbed at random; what is kept minimises
-//   cost + prior_weight * min(1, |rho / rho_seed - 1| / prior_tolerance).
+//   min(1, cost) +
+//   prior_weight * min(1, |rho / rho_seed - 1| / prior_tolerance).
 // The cost is one minus the correlation (normalised, bilaterally weighted) of
 // the patch, averaged over the best sources. Without texture the correlation is
-// damped to zero, so blank areas keep their seed.
+// damped to zero, so blank areas keep their seed; masked pixels do, too.
 //
 // Pixels are worked on in vectors, in two colours of a checkerboard, and the
 // random numbers depend on pixel and iteration only: results do not depend on
 // the number of threads.
 class PatchMatch {
  public:
-  // `sources`: source views of each view, best first.
+  // `sources`: source views of each view, best first. Throws
+  // std::invalid_argument if a view has more than 32.
   PatchMatch(const Scene& scene,
              const SceneFrame& frame,
              const TrainingViews& views,
              const std::vector<std::vector<int>>& sources,
              const StereoOptions& options);
 
-  // `maps` holds the seed and receives the result. `pool` may be used by nobody
-  // else at that time.
+  // `maps` holds the seed and receives the result. Pixels without a seed, whose
+  // inverse depth is not positive, and pixels whose seed no source sees stay as
+  // they are, at cost 2. `pool` may be used by nobody else at that time.
   void Refine(int view_idx, ThreadPool* pool, PlaneMaps* maps) const;
 
  private:
