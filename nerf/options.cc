@@ -106,7 +106,7 @@ bool StereoOptions::Check(std::string* error) const {
       .In("num_iterations", num_iterations, 0, 100)
       .In("window_radius", window_radius, 1, 10)
       .In("window_step", window_step, 1, 10)
-      .Require(2 * window_radius / window_step + 1 <= 11,
+      .Require(window_step < 1 || 2 * window_radius / window_step + 1 <= 11,
                "window_radius may be at most 5 times window_step")
       .In("num_used_sources", num_used_sources, 1, 32)
       .In("num_best_sources", num_best_sources, 1, 32)
