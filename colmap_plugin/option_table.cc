@@ -1,260 +1,12 @@
 #include "colmap_plugin/option_table.h"
 
+#include "colmap_plugin/method_options.h"
+
 #include <sstream>
 #include <stdexcept>
 
 namespace structnerf {
 namespace {
-
-std::vector<OptionEntry> FieldEntries(FieldOptions* field) {
-  return {{"StructNeRF.num_levels",
-           &field->num_levels,
-           "Levels of the hash grid",
-           1,
-           16},
-          {"StructNeRF.log2_table_size",
-           &field->log2_table_size,
-           "Binary logarithm of the entries of a level",
-           10,
-           24},
-          {"StructNeRF.min_resolution",
-           &field->min_resolution,
-           "Cells along the scene's longest side, coarsest level",
-           2,
-           1024},
-          {"StructNeRF.max_resolution",
-           &field->max_resolution,
-           "Cells along the scene's longest side, finest level",
-           2,
-           65536},
-          {"StructNeRF.hidden_width",
-           &field->hidden_width,
-           "Width of the hidden layers {16, 32, 48, 64}",
-           16,
-           64}};
-}
-
-std::vector<OptionEntry> SamplingEntries(SamplingOptions* sampling) {
-  return {{"StructNeRF.num_bins",
-           &sampling->num_bins,
-           "Bins of cached density along a ray",
-           8,
-           256},
-          {"StructNeRF.num_samples",
-           &sampling->num_samples,
-           "Samples of the field along a ray",
-           1,
-           64},
-          {"StructNeRF.cache_resolution",
-           &sampling->cache_resolution,
-           "Cells of the density cache along the scene's longest side",
-           8,
-           512},
-          {"StructNeRF.cache_interval",
-           &sampling->cache_interval,
-           "Steps between refreshes of the density cache",
-           1,
-           1000000},
-          {"StructNeRF.cache_decay",
-           &sampling->cache_decay,
-           "How slowly the density cache forgets",
-           0,
-           0.999},
-          {"StructNeRF.uniform_share",
-           &sampling->uniform_share,
-           "Share of the samples that is spread evenly along the ray",
-           0,
-           1}};
-}
-
-std::vector<OptionEntry> LossEntries(LossOptions* loss) {
-  return {{"StructNeRF.color_weight",
-           &loss->color_weight,
-           "Weight of the colour loss",
-           0,
-           1e6},
-          {"StructNeRF.patch_weight",
-           &loss->patch_weight,
-           "Weight of the patch photometric loss (paper: 0.025)",
-           0,
-           1e6},
-          {"StructNeRF.patch_ssim_share",
-           &loss->patch_ssim_share,
-           "Share of SSIM in it, the rest is L1 (paper: 0.85)",
-           0,
-           1},
-          {"StructNeRF.patch_radius",
-           &loss->patch_radius,
-           "Taps on either side of a patch's centre (paper: 1)",
-           0,
-           3},
-          {"StructNeRF.patch_dilation",
-           &loss->patch_dilation,
-           "Pixels between taps (paper: 2)",
-           1,
-           16},
-          {"StructNeRF.num_sources",
-           &loss->num_sources,
-           "Source views of each view (paper: 4)",
-           1,
-           32},
-          {"StructNeRF.num_best_sources",
-           &loss->num_best_sources,
-           "Source views that count at a pixel",
-           1,
-           32},
-          {"StructNeRF.planar_weight",
-           &loss->planar_weight,
-           "Weight of the planar loss (paper: 0.025)",
-           0,
-           1e6},
-          {"StructNeRF.planar_min_area",
-           &loss->planar_min_area,
-           "Pixels of the full image from which a superpixel counts as planar "
-           "(paper: 1000)",
-           4,
-           1 << 30},
-          {"StructNeRF.sparse_weight",
-           &loss->sparse_weight,
-           "Weight of the depth of sparse points (paper: 0.05)",
-           0,
-           1e6},
-          {"StructNeRF.sparse_fraction",
-           &loss->sparse_fraction,
-           "Share of the training in which it is used (paper: 0.5)",
-           0,
-           1},
-          {"StructNeRF.prior_weight",
-           &loss->prior_weight,
-           "Initial weight of depth interpolated from sparse points",
-           0,
-           1e6},
-          {"StructNeRF.prior_fraction",
-           &loss->prior_fraction,
-           "Share of the training after which it has faded out",
-           0,
-           1}};
-}
-
-std::vector<OptionEntry> TrainingEntries(TrainingOptions* training) {
-  return {
-      {"StructNeRF.num_steps",
-       &training->num_steps,
-       "Training steps",
-       1,
-       100000000},
-      {"StructNeRF.rays_per_step",
-       &training->rays_per_step,
-       "Rays per step",
-       32,
-       1 << 20},
-      {"StructNeRF.max_image_size",
-       &training->max_image_size,
-       "Longest side in pixels of the images that are trained on",
-       16,
-       1 << 15},
-      {"StructNeRF.grid_learning_rate",
-       &training->grid_learning_rate,
-       "Peak learning rate of the hash grid",
-       0,
-       1e3},
-      {"StructNeRF.network_learning_rate",
-       &training->network_learning_rate,
-       "Peak learning rate of the networks",
-       0,
-       1e3},
-      {"StructNeRF.final_learning_rate_factor",
-       &training->final_learning_rate_factor,
-       "Final learning rate divided by the peak",
-       1e-6,
-       1},
-      {"StructNeRF.coarse_to_fine_fraction",
-       &training->coarse_to_fine_fraction,
-       "Share of the training in which finer grid levels come in",
-       0,
-       1},
-      {"StructNeRF.test_every",
-       &training->test_every,
-       "Keep every how many-th view out of training to measure PSNR; 0 = none",
-       0,
-       1 << 30},
-      {"StructNeRF.num_threads",
-       &training->num_threads,
-       "Threads; -1 = all cores"},
-      {"StructNeRF.seed", &training->seed, "Seed of the training"}};
-}
-
-std::vector<OptionEntry> StereoEntries(StereoOptions* stereo) {
-  return {{"StructNeRF.stereo_iterations",
-           &stereo->num_iterations,
-           "Sweeps of patch matching over each view; 0 = none",
-           0,
-           100},
-          {"StructNeRF.stereo_window_radius",
-           &stereo->window_radius,
-           "Half the side of the matched window in pixels",
-           1,
-           10},
-          {"StructNeRF.stereo_window_step",
-           &stereo->window_step,
-           "Pixels between the window's taps",
-           1,
-           10},
-          {"StructNeRF.stereo_used_sources",
-           &stereo->num_used_sources,
-           "Source views that are matched at a pixel",
-           1,
-           32},
-          {"StructNeRF.stereo_best_sources",
-           &stereo->num_best_sources,
-           "Of those, how many count",
-           1,
-           32},
-          {"StructNeRF.stereo_perturbation",
-           &stereo->perturbation,
-           "Relative random change of depth in the first sweep",
-           0,
-           1},
-          {"StructNeRF.stereo_prior_weight",
-           &stereo->prior_weight,
-           "Cost of leaving the field's depth",
-           0,
-           10},
-          {"StructNeRF.stereo_prior_tolerance",
-           &stereo->prior_tolerance,
-           "Relative difference in depth at which that cost is reached",
-           1e-6,
-           10},
-          {"StructNeRF.stereo_max_cost",
-           &stereo->max_cost,
-           "Pixels that match worse keep the field's depth",
-           0,
-           2}};
-}
-
-std::vector<OptionEntry> ExtractionEntries(ExtractionOptions* extraction) {
-  return {{"StructNeRF.max_relative_std",
-           &extraction->max_relative_std,
-           "Largest deviation of depth along a ray, relative to it, of a pixel "
-           "that is given a depth",
-           0,
-           1e6},
-          {"StructNeRF.max_relative_depth_error",
-           &extraction->max_relative_depth_error,
-           "Largest relative depth difference of a confirming view",
-           0,
-           1},
-          {"StructNeRF.max_reprojection_error",
-           &extraction->max_reprojection_error,
-           "Largest reprojection error in pixels of a confirming view",
-           0,
-           1e6},
-          {"StructNeRF.min_num_consistent",
-           &extraction->min_num_consistent,
-           "Views that must confirm a pixel of the geometric maps",
-           1,
-           1000}};
-}
 
 std::string NumberText(const double number) {
   std::ostringstream stream;
@@ -302,15 +54,8 @@ std::vector<OptionEntry> MakeOptionTable(StructNerfOptions* options) {
        &options->input_type,
        "Maps that are fused {geometric, photometric}; "
        "StereoFusion.min_num_pixels 0 is chosen from the number of views"}};
-  ReconstructionOptions* reconstruction = &options->reconstruction;
-  for (const auto& entries : {FieldEntries(&reconstruction->field),
-                              SamplingEntries(&reconstruction->sampling),
-                              LossEntries(&reconstruction->loss),
-                              TrainingEntries(&reconstruction->training),
-                              StereoEntries(&reconstruction->stereo),
-                              ExtractionEntries(&reconstruction->extraction)}) {
-    table.insert(table.end(), entries.begin(), entries.end());
-  }
+  const auto entries = MakeMethodOptionEntries(&options->reconstruction);
+  table.insert(table.end(), entries.begin(), entries.end());
   return table;
 }
 
@@ -326,9 +71,9 @@ void AddOptions(const std::vector<OptionEntry>& table,
 }
 
 void CheckOptions(const StructNerfOptions& options) {
-  std::string error;
-  if (!options.reconstruction.Check(&error)) {
-    throw std::runtime_error("The option --StructNeRF." + error + ".");
+  const std::string error = FindMethodOptionError(options.reconstruction);
+  if (!error.empty()) {
+    throw std::runtime_error("The option --" + error + ".");
   }
   if (options.input_type != "geometric" &&
       options.input_type != "photometric") {
