@@ -22,6 +22,7 @@ has_checksum() { echo "$archive_sha256  $1" | sha256sum --check --status; }
 # index. A private apt state keeps the system's own package lists untouched.
 fetch_archive_with_apt() {
   local work="$1" mirror
+  # shellcheck disable=SC2016  # apt's own placeholder
   mirror=$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' \
              'Codename: bookworm' 2>/dev/null | head -n 1)
   [ -n "$mirror" ] || return 1

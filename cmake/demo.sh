@@ -2,6 +2,7 @@
 # Installs what is missing, builds, and runs the dense stage on a generated room.
 #   cmake/demo.sh [OUTPUT_FOLDER]     (default: structnerf_demo)
 set -euo pipefail
+# shellcheck source=cmake/setup.sh
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
 output=${1:-structnerf_demo}

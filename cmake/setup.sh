@@ -1,7 +1,12 @@
+# shellcheck shell=bash
 # Sourced by demo.sh and test.sh: installs what is missing, gets COLMAP, and
 # configures and builds the project into $build_dir with the given preset.
 
-readonly source_dir=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+# Else a command that fails inside $(...) would be passed over.
+shopt -s inherit_errexit
+
+source_dir=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+readonly source_dir
 
 say() { echo "[structnerf] $*" >&2; }
 die() { say "error: $*"; exit 1; }
@@ -23,22 +28,25 @@ install_packages() {
     sudo=(sudo)
   fi
   say "installing ${#missing[@]} packages (about 2 minutes)"
-  "${sudo[@]}" apt-get -qq update
-  DEBIAN_FRONTEND=noninteractive "${sudo[@]}" apt-get -qq install -y \
-    --no-install-recommends "${missing[@]}" > /dev/null
+  if ! "${sudo[@]}" apt-get -qq update ||
+      ! "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq install -y \
+        --no-install-recommends "${missing[@]}" > /dev/null; then
+    die "apt-get could not install ${missing[*]}"
+  fi
 }
 
-# Prints the prefix of the COLMAP to build against: the user's own if CMake finds
-# one with development files, else ours from the cache.
+# Prints the folder of COLMAP's CMake package to build against: the user's own if
+# CMake finds one of a version that will do, else ours from the cache.
 find_colmap() {
-  local probe found
+  local probe found prefix
   probe=$(mktemp -d)
   cat > "$probe/CMakeLists.txt" <<'PROBE'
 cmake_minimum_required(VERSION 3.25)
 project(probe LANGUAGES C CXX)
 find_package(COLMAP QUIET)
-if(COLMAP_FOUND)
-  file(WRITE ${CMAKE_BINARY_DIR}/found "${COLMAP_DIR}")
+if(COLMAP_FOUND AND COLMAP_VERSION VERSION_GREATER_EQUAL 3.10
+    AND COLMAP_VERSION VERSION_LESS 4.2)
+  file(WRITE "${CMAKE_BINARY_DIR}/found" "${COLMAP_DIR}")
 endif()
 PROBE
   cmake -S "$probe" -B "$probe/build" > /dev/null 2>&1 || true
@@ -46,21 +54,22 @@ PROBE
   rm -rf "$probe"
   if [ -n "$found" ]; then
     say "using the COLMAP in $found"
-    (cd "$found/../.." && pwd)
+    echo "$found"
   else
-    "$source_dir/cmake/build_colmap.sh"
+    prefix=$("$source_dir/cmake/build_colmap.sh")
+    echo "$prefix/share/colmap"
   fi
 }
 
 # build_project PRESET [TARGET ...]
 build_project() {
-  local preset="$1" colmap_prefix
+  local preset="$1" colmap_dir
   shift
   install_packages
-  colmap_prefix=$(find_colmap)
+  colmap_dir=$(find_colmap)
   build_dir="$source_dir/build/$preset"
   say "building into $build_dir (about 10 minutes the first time, on two cores)"
   (cd "$source_dir" &&
-    cmake --preset "$preset" -DCMAKE_PREFIX_PATH="$colmap_prefix" > /dev/null &&
+    cmake --preset "$preset" -DCOLMAP_DIR="$colmap_dir" > /dev/null &&
     cmake --build "build/$preset" ${1:+--target "$@"})
 }
