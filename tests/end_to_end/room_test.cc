@@ -274,7 +274,8 @@ TEST_F(RoomTest, RunsAgainOnItsWorkspaceOnlyWhenAllowed) {
   std::vector<std::string> arguments = {"structnerf_dense",
                                         "--workspace_path",
                                         Dense(),
-                                        "--StructNeRF.num_steps=20"};
+                                        "--StructNeRF.num_steps=20",
+                                        "--StructNeRF.stereo_num_iterations=0"};
   const ProgramResult refused = RunProgram(arguments);
   EXPECT_EQ(refused.exit_code, EXIT_FAILURE);
   EXPECT_THAT(refused.error, HasSubstr("--overwrite"));
@@ -306,8 +307,9 @@ TEST_F(RoomTest, StaysWithinItsMemory) {
                                            *temp_dir_ / "room/sparse/0",
                                            "--output_path",
                                            *temp_dir_ / "small",
-                                           "--StructNeRF.quality=high",
                                            "--StructNeRF.num_steps=10",
+                                           "--StructNeRF.stereo_num_iterations",
+                                           "1",
                                            "--StructNeRF.max_memory_gb=0.3"});
   ASSERT_EQ(result.exit_code, 0) << result.error;
   std::ifstream file(*temp_dir_ / "small/structnerf/report.json");
