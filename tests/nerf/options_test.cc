@@ -85,6 +85,18 @@ std::vector<Setting> AllowedSettings() {
       SETTING(training, num_threads, -1),
       SETTING(training, num_threads, 1),
       SETTING(training, seed, -1),
+      SETTING(stereo, num_iterations, 0),
+      SETTING(stereo, num_iterations, 100),
+      SETTING(stereo, window_radius, 1),
+      SETTING(stereo, window_radius, 10),
+      SETTING(stereo, window_step, 10),
+      SETTING(stereo, num_used_sources, 1),
+      SETTING(stereo, num_used_sources, 32),
+      SETTING(stereo, num_best_sources, 32),
+      SETTING(stereo, perturbation, 0.0),
+      SETTING(stereo, prior_weight, 0.0),
+      SETTING(stereo, max_cost, 0.0),
+      SETTING(stereo, max_cost, 2.0),
       SETTING(extraction, max_relative_std, 0.0),
       SETTING(extraction, max_relative_depth_error, 0.0),
       SETTING(extraction, max_relative_depth_error, 1.0),
@@ -153,6 +165,18 @@ std::vector<Setting> ForbiddenSettings() {
       SETTING(training, test_every, 1),
       SETTING(training, num_threads, 0),
       SETTING(training, num_threads, -2),
+      SETTING(stereo, num_iterations, -1),
+      SETTING(stereo, num_iterations, 101),
+      SETTING(stereo, window_radius, 0),
+      SETTING(stereo, window_radius, 11),
+      SETTING(stereo, window_step, 0),
+      SETTING(stereo, window_step, 11),
+      SETTING(stereo, num_used_sources, 0),
+      SETTING(stereo, num_best_sources, 33),
+      SETTING(stereo, perturbation, kNan),
+      SETTING(stereo, prior_weight, -0.1),
+      SETTING(stereo, prior_tolerance, 0.0),
+      SETTING(stereo, max_cost, 2.1),
       SETTING(extraction, max_relative_std, -0.1),
       SETTING(extraction, max_relative_std, kNan),
       SETTING(extraction, max_relative_depth_error, 1.1),
@@ -192,6 +216,17 @@ TEST(ReconstructionOptions, ValuesOutsideAreNamed) {
     EXPECT_FALSE(options.Check(&again));
     EXPECT_EQ(again, error);
   }
+}
+
+TEST(ReconstructionOptions, WindowsOfTooManyTapsAreRefused) {
+  ReconstructionOptions options;
+  std::string error;
+  options.stereo.window_step = 1;
+  options.stereo.window_radius = 5;
+  EXPECT_TRUE(options.Check(&error)) << error;
+  options.stereo.window_radius = 6;
+  EXPECT_FALSE(options.Check(&error));
+  EXPECT_THAT(error, HasSubstr("window_radius"));
 }
 
 TEST(ReconstructionOptions, RangeAndValueAreInTheMessage) {

@@ -55,11 +55,11 @@ TEST(MakePlanarGroup, DegenerateTrianglesAreRefused) {
                         const std::vector<float>& y) {
     return MakePlanarGroup(x.data(), y.data(), &group);
   };
-  EXPECT_FALSE(make({3, 3, 3, 3}, {4, 4, 4, 4}));      // one pixel
-  EXPECT_FALSE(make({3, 3, 9, 5}, {4, 4, 4, 7}));      // two equal
-  EXPECT_FALSE(make({0, 10, 20, 5}, {0, 10, 20, 9}));  // on a line
-  EXPECT_FALSE(make({0, 100, 200, 5}, {0, 1, 0, 9}));  // almost
-  EXPECT_FALSE(make({0, 10, 0, 25}, {0, 0, 10, 0}));   // extrapolates far
+  EXPECT_FALSE(make({3, 3, 3, 3}, {4, 4, 4, 4}));           // one pixel
+  EXPECT_FALSE(make({3, 3, 9, 5}, {4, 4, 4, 7}));           // two equal
+  EXPECT_FALSE(make({0, 10, 20, 5}, {0, 10, 20, 9}));       // on a line
+  EXPECT_FALSE(make({0, 100, 200, 100}, {0, 1, 0, 0.4f}));  // almost
+  EXPECT_FALSE(make({0, 10, 0, 25}, {0, 0, 10, 0}));        // extrapolates far
   EXPECT_FALSE(make({0, 10, 0, 19}, {0, 0, 10, 19}));
   EXPECT_TRUE(make({0, 10, 0, 14}, {0, 0, 10, 14}));
 }

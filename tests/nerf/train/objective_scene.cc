@@ -38,6 +38,11 @@ ObjectiveScene::ObjectiveScene() {
     AddPoint(0.371 * (i % 8) - 1.289, 0.473 * (i / 8) - 0.967, 0.5 + 0.02 * i);
   }
   frame = ComputeSceneFrame(scene);
+  loss.color_weight = 1;
+  loss.patch_weight = 1;
+  loss.planar_weight = 0.1;
+  loss.sparse_weight = 1;
+  loss.prior_weight = 0.1;
   training.num_steps = 100;
   training.rays_per_step = 256;
 }

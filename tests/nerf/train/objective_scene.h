@@ -9,7 +9,7 @@
 namespace structnerf {
 
 // Four views of a textured wall with everything an objective may use: sparse
-// points, planar segments, source views.
+// points, planar segments, source views. All terms are on.
 class ObjectiveScene {
  public:
   ObjectiveScene();
