@@ -137,15 +137,22 @@ ReconstructionOptions QualityPreset(const std::string& quality) {
   if (quality == "low") {
     options.field.log2_table_size = 15;
     options.training.num_steps = 600;
+    options.stereo.num_iterations = 0;
   } else if (quality == "medium") {
     options.training.num_steps = 1500;
   } else if (quality == "high") {
-    options.training.num_steps = 4000;
+    options.training.num_steps = 3000;
     options.training.max_image_size = 640;
+    options.loss.patch_dilation = 4;
+    options.sampling.num_samples = 24;
+    options.stereo.num_iterations = 3;
   } else if (quality == "extreme") {
     options.field.log2_table_size = 18;
-    options.training.num_steps = 10000;
+    options.training.num_steps = 6000;
     options.training.max_image_size = 1024;
+    options.loss.patch_dilation = 6;
+    options.sampling.num_samples = 32;
+    options.stereo.num_iterations = 4;
   } else {
     throw std::invalid_argument(
         "quality must be low, medium, high or extreme, "

@@ -94,7 +94,9 @@ struct LossOptions {
 
   // Depth interpolated from the sparse points of a view, for every pixel: the
   // weight at the start, falling linearly to zero at a share of the training.
-  double prior_weight = 0.1;
+  // It helps where points are all there is, and harms blank walls between
+  // points that lie on other surfaces, so it is off unless asked for.
+  double prior_weight = 0.0;
   double prior_fraction = 0.3;
 
   bool Check(std::string* error) const;

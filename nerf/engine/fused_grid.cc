@@ -4,7 +4,6 @@
 #include "nerf/kernels/half_precision.h"
 
 #include <algorithm>
-#include <atomic>
 
 #include <hwy/cache_control.h>
 
@@ -238,24 +237,24 @@ size_t FusedGrid::SumBucket(const size_t level,
   return ListTouched(scratch->touched.data(), scratch->touched_entries.data());
 }
 
-bool FusedGrid::Update(const AdamStep& step, ThreadPool* pool) {
-  std::atomic<bool> is_finite = true;
-  pool->ParallelFor(buckets_.size(), [&](const size_t item, const int thread) {
-    const auto [level, bucket] = buckets_[item];
-    Scratch& scratch = *scratch_[thread];
-    const size_t num_touched = SumBucket(level, bucket, &scratch);
-    const size_t first_entry = static_cast<size_t>(bucket) * kBucketEntries;
-    if (!AdamUpdateGrid(
-            step,
-            scratch.touched_entries.data(),
-            num_touched,
-            scratch.gradient.data(),
-            levels_[level].state.data() + first_entry,
-            levels_[level].table.data() + first_entry * kGridFeatures)) {
-      is_finite = false;
-    }
-  });
-  num_tiles_ = 0;
+bool FusedGrid::UpdateBucket(const size_t bucket_idx,
+                             const AdamStep& step,
+                             const int thread,
+                             StageClock* clock) {
+  const auto [level, bucket] = buckets_[bucket_idx];
+  Scratch& scratch = *scratch_[thread];
+  clock->Start();
+  const size_t num_touched = SumBucket(level, bucket, &scratch);
+  clock->Stop(EngineStage::kSumGradient);
+  const size_t first_entry = static_cast<size_t>(bucket) * kBucketEntries;
+  const bool is_finite =
+      AdamUpdateGrid(step,
+                     scratch.touched_entries.data(),
+                     num_touched,
+                     scratch.gradient.data(),
+                     levels_[level].state.data() + first_entry,
+                     levels_[level].table.data() + first_entry * kGridFeatures);
+  clock->Stop(EngineStage::kUpdateGrid);
   return is_finite;
 }
 

@@ -1,14 +1,15 @@
 #pragma once
 
+#include "nerf/engine/stage_clock.h"
 #include "nerf/field/field_layout.h"
 #include "nerf/kernels/adam.h"
 #include "nerf/kernels/grid_gradient.h"
 #include "nerf/util/aligned_buffer.h"
-#include "nerf/util/thread_pool.h"
 
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include <hwy/base.h>
@@ -50,9 +51,19 @@ class FusedGrid {
                        const float* d_encoding,
                        int thread);
 
-  // Updates all entries that have a gradient and forgets the tiles. Returns
-  // false if a gradient was not finite; its entry then stays as it was.
-  bool Update(const AdamStep& step, ThreadPool* pool);
+  // The table in regions that are updated on their own.
+  size_t NumBuckets() const { return buckets_.size(); }
+
+  // Updates the entries of a bucket that have a gradient. Returns false if a
+  // gradient was not finite; its entry then stays as it was. Adds the time it
+  // takes to `clock`.
+  bool UpdateBucket(size_t bucket_idx,
+                    const AdamStep& step,
+                    int thread,
+                    StageClock* clock);
+
+  // Forgets all tiles.
+  void ClearTiles() { num_tiles_ = 0; }
 
   // num_grid_entries x kGridFeatures each.
   std::vector<float> Parameters() const;

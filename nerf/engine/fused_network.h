@@ -5,31 +5,50 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 namespace structnerf {
 
 // The field's two networks on one tile of samples, forward and backward, with
 // activations in buffers that stay in the second-level cache. Matrices are
 // row-major, one row per sample.
+//
+// The colour network runs on the active samples only. What the viewing
+// direction adds to its hidden layer is the same for all samples of a ray and
+// computed per ray.
 class FusedNetwork {
  public:
-  // Activations of up to `capacity` samples.
+  // Samples whose colour is evaluated, in the order of their rays.
+  struct ActiveSamples {
+    const uint32_t* samples = nullptr;
+    const uint32_t* rays = nullptr;  // the ray each belongs to
+    size_t count = 0;
+  };
+
+  // Activations of a tile.
   struct Buffers {
-    Buffers(const FieldLayout& layout, size_t capacity);
+    Buffers(const FieldLayout& layout, size_t num_rays, size_t num_samples);
 
     AlignedBuffer<float> encoding;        // encoding_width; input
     AlignedBuffer<float> density_hidden;  // hidden_width
     AlignedBuffer<float> geometry;        // kGeometryWidth; [0] = raw density
 
-    // Rows of the colour network belong to active samples only.
-    AlignedBuffer<float> color_input;   // kColorInputWidth
-    AlignedBuffer<float> color_hidden;  // hidden_width
-    AlignedBuffer<float> color;         // kColorOutputWidth, [0, 3) used
+    AlignedBuffer<float> direction;         // rays x kDirectionWidth; input
+    AlignedBuffer<float> direction_hidden;  // rays x hidden_width
 
-    AlignedBuffer<float> d_color;        // by colour before the sigmoid; input
-    AlignedBuffer<float> d_raw_density;  // kGeometryWidth, [0] used; input
-    AlignedBuffer<float> d_color_input;
+    // Rows belong to active samples.
+    AlignedBuffer<float> color_geometry;  // kGeometryWidth
+    AlignedBuffer<float> color_hidden;    // hidden_width
+    AlignedBuffer<float> color;           // kColorOutputWidth, [0, 3) used
+
+    // Gradients by color before its sigmoid, [0, 3) used, and by the raw
+    // density, both inputs of the backward pass; and by the encoding.
+    AlignedBuffer<float> d_color;        // active samples x kColorOutputWidth
+    AlignedBuffer<float> d_raw_density;  // one number per sample
+    AlignedBuffer<float> d_encoding;     // encoding_width
+
+    AlignedBuffer<float> d_color_geometry;
+    AlignedBuffer<float> d_color_output_weights;  // transposed
+    AlignedBuffer<float> d_direction_hidden;
     AlignedBuffer<float> d_hidden;
     AlignedBuffer<float> d_geometry;
   };
@@ -42,30 +61,25 @@ class FusedNetwork {
   // encoding -> geometry.
   void ForwardDensity(size_t num_samples, Buffers* buffers) const;
 
-  // geometry and direction -> color, for the listed samples. `direction` has a
-  // row of kDirectionWidth per ray; sample s belongs to ray s /
-  // samples_per_ray.
-  void ForwardColor(const uint32_t* active,
-                    size_t num_active,
-                    size_t samples_per_ray,
-                    const float* direction,
+  // geometry and direction -> color of the active samples.
+  void ForwardColor(const ActiveSamples& active,
+                    size_t num_rays,
                     Buffers* buffers) const;
 
-  // d_color -> d_geometry of all samples and parameter gradients, which are
-  // added to `gradient` (laid out as the parameters).
-  void BackwardColor(const uint32_t* active,
-                     size_t num_active,
-                     size_t num_samples,
+  // d_color and d_raw_density -> d_encoding. Adds the gradient by the
+  // parameters, laid out as these, to `gradient`.
+  void Backward(const ActiveSamples& active,
+                size_t num_rays,
+                size_t num_samples,
+                Buffers* buffers,
+                float* gradient) const;
+
+ private:
+  void BackwardColor(const ActiveSamples& active,
+                     size_t num_rays,
                      Buffers* buffers,
                      float* gradient) const;
 
-  // d_geometry and d_raw_density -> d_encoding and parameter gradients.
-  void BackwardDensity(size_t num_samples,
-                       Buffers* buffers,
-                       float* gradient,
-                       float* d_encoding) const;
-
- private:
   const FieldLayout layout_;
   AlignedBuffer<float> parameters_;
   AlignedBuffer<float> transposed_;  // weights only, at the same offsets

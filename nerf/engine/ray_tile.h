@@ -10,6 +10,9 @@ namespace structnerf {
 // losses depend on each other are in the same tile.
 constexpr int kMaxTileRays = 32;
 
+// Most samples a ray may have.
+constexpr int kMaxRaySamples = 64;
+
 template <typename T>
 using PerRay = std::array<T, kMaxTileRays>;
 

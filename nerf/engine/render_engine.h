@@ -33,6 +33,25 @@ class TileObjective {
                               RayGradients* gradients) = 0;
 };
 
+// Parts of a training step, for profiles.
+enum class EngineStage {
+  kRays,            // drawing and sampling them
+  kEncode,          // grid to features
+  kDensityNetwork,  // forward
+  kComposite,       // forward and backward
+  kColorNetwork,    // forward
+  kLosses,          // the objective
+  kBackward,        // networks
+  kSortGradient,    // of the grid, by tile
+  kSumGradient,     // of the grid, by table region
+  kUpdateGrid,      // Adam
+  kUpdateNetwork,   // Adam
+  kObserveDensity,  // density cache
+  kCount
+};
+using StageSeconds =
+    std::array<double, static_cast<size_t>(EngineStage::kCount)>;
+
 // What changes from step to step.
 struct StepParameters {
   int step = 0;
@@ -89,6 +108,10 @@ class RenderEngine {
 
   // Number of objectives that Accumulate wants.
   virtual int NumThreads() const = 0;
+
+  // Time spent in each stage so far, added up over threads; zero if the engine
+  // does not keep it.
+  virtual StageSeconds Profile() const { return {}; }
 
  protected:
   virtual DensityCache* MutableCache() = 0;

@@ -14,11 +14,11 @@ void SampleTile(const RayTile& rays,
                 float* x,
                 float* y,
                 float* z) {
-  PerRay<float> jitter;
+  PerRay<float> jitter = {};
   for (int ray = 0; ray < rays.num_rays; ++ray) {
     jitter[ray] = random ? random->NextFloat() : 0.5f;
   }
-  ChooseIntervals(rays, cache, parameters, jitter.data(), edges);
+  ChooseIntervals(rays, cache, parameters, jitter, edges);
   const int num_samples = parameters.num_samples;
   for (int ray = 0; ray < rays.num_rays; ++ray) {
     const float* const ray_edges = edges + ray * (num_samples + 1);

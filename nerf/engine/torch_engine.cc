@@ -214,18 +214,22 @@ class TorchEngine : public RenderEngine {
     const torch::NoGradGuard no_grad;
     const size_t count =
         std::min(DensityCache::kRefreshCells, cache_.NumCells());
+    const size_t first_visit = cache_.NextVisits(count);
     std::vector<float> positions[3];
     for (std::vector<float>& position : positions) {
       position.resize(count);
     }
-    cache_.NextPoints(
-        count, positions[0].data(), positions[1].data(), positions[2].data());
+    cache_.VisitPoints(first_visit,
+                       count,
+                       positions[0].data(),
+                       positions[1].data(),
+                       positions[2].data());
     const torch::Tensor geometry = TorchGeometry(
         layout_,
         network_,
         TorchEncode(layout_, grid_, StackPositions(positions), level_weights_));
     const std::vector<float> density = CopyValues(geometry.select(1, 0));
-    cache_.Update(density.data(), count, decay);
+    cache_.Update(first_visit, density.data(), count, decay);
   }
 
   void Render(const std::vector<RayTile>& tiles,

@@ -7,19 +7,34 @@
 #include <numeric>
 
 namespace structnerf {
+namespace {
+
+// The byte that stands for a density, not rounded yet. 0 for NaN.
+float Level(const float log_density) {
+  return std::min(255.0f,
+                  std::max(0.0f,
+                           (log_density - DensityCache::kMinLogDensity) *
+                               DensityCache::kLevelsPerUnit));
+}
+
+}  // namespace
+
 DensityCache::DensityCache(const int resolution,
                            const Eigen::Vector3f& extent,
                            const float initial_density)
     : cells_per_unit_(static_cast<float>(resolution)), num_cells_(1) {
+  int num_blocks[3];
   for (int axis = 0; axis < 3; ++axis) {
     dimensions_[axis] =
         std::max(1, static_cast<int>(std::ceil(extent[axis] * resolution)));
     num_cells_ *= dimensions_[axis];
+    num_blocks[axis] = (dimensions_[axis] + 3) / 4;
   }
-  cells_.assign(num_cells_ + 3, 0);
-  for (size_t cell = 0; cell < num_cells_; ++cell) {
-    ObserveCell(cell, std::log(initial_density), 0.0f);
-  }
+  block_strides_[0] = num_blocks[0];
+  block_strides_[1] = num_blocks[0] * num_blocks[1];
+  cells_.assign(
+      static_cast<size_t>(block_strides_[1]) * num_blocks[2] * 64 + 3,
+      static_cast<uint8_t>(std::ceil(Level(std::log(initial_density)))));
   // Near the golden section, consecutive visits spread evenly; a stride coprime
   // to the number of cells visits each once.
   stride_ = static_cast<size_t>(0.6180339887 * num_cells_) | 1;
@@ -30,36 +45,60 @@ DensityCache::DensityCache(const int resolution,
 
 void DensityCache::Clear() {
   std::fill(cells_.begin(), cells_.end(), uint8_t{0});
-  first_visit_ = 0;
   next_visit_ = 0;
 }
 
-void DensityCache::NextPoints(const size_t count,
-                              float* x,
-                              float* y,
-                              float* z) {
-  first_visit_ = next_visit_;
+size_t DensityCache::NextVisits(const size_t count) {
+  const size_t first_visit = next_visit_;
   next_visit_ += count;
+  return first_visit;
+}
+
+template <typename Visit>
+void DensityCache::ForEachVisitedCell(const size_t first_visit,
+                                      const size_t count,
+                                      const Visit& visit) const {
+  size_t cell = first_visit % num_cells_ * stride_ % num_cells_;
   for (size_t i = 0; i < count; ++i) {
-    const size_t visit = first_visit_ + i;
-    const size_t cell = visit % num_cells_ * stride_ % num_cells_;
-    Random random(cell, visit / num_cells_);
-    const size_t row = cell / dimensions_[0];
-    const float inverse = 1.0f / cells_per_unit_;
-    x[i] = (cell % dimensions_[0] + random.NextFloat()) * inverse;
-    y[i] = (row % dimensions_[1] + random.NextFloat()) * inverse;
-    z[i] = (row / dimensions_[1] + random.NextFloat()) * inverse;
+    const uint32_t row = static_cast<uint32_t>(cell) / dimensions_[0];
+    visit(i,
+          static_cast<int>(static_cast<uint32_t>(cell) % dimensions_[0]),
+          static_cast<int>(row % dimensions_[1]),
+          static_cast<int>(row / dimensions_[1]));
+    cell += stride_;
+    cell -= cell >= num_cells_ ? num_cells_ : 0;
   }
 }
 
-void DensityCache::Update(const float* log_density,
+void DensityCache::VisitPoints(const size_t first_visit,
+                               const size_t count,
+                               float* x,
+                               float* y,
+                               float* z) const {
+  const float inverse = 1.0f / cells_per_unit_;
+  ForEachVisitedCell(first_visit,
+                     count,
+                     [&](const size_t i,
+                         const int cell_x,
+                         const int cell_y,
+                         const int cell_z) {
+                       Random random(first_visit + i);
+                       x[i] = (cell_x + random.NextFloat()) * inverse;
+                       y[i] = (cell_y + random.NextFloat()) * inverse;
+                       z[i] = (cell_z + random.NextFloat()) * inverse;
+                     });
+}
+
+void DensityCache::Update(const size_t first_visit,
+                          const float* log_density,
                           const size_t count,
                           const float decay) {
-  for (size_t i = 0; i < count; ++i) {
-    ObserveCell((first_visit_ + i) % num_cells_ * stride_ % num_cells_,
-                log_density[i],
-                decay);
-  }
+  ForEachVisitedCell(
+      first_visit,
+      count,
+      [&](const size_t i, const int x, const int y, const int z) {
+        ObserveCell(CellIndex(x, y, z), log_density[i], decay);
+      });
 }
 
 void DensityCache::Observe(const float* x,
@@ -68,30 +107,31 @@ void DensityCache::Observe(const float* x,
                            const float* log_density,
                            const size_t count,
                            const float decay) {
-  const auto index = [&](const float position, const int axis) {
+  const auto coordinate = [&](const float position, const int axis) {
     return std::min(std::max(static_cast<int>(position * cells_per_unit_), 0),
                     dimensions_[axis] - 1);
   };
   for (size_t i = 0; i < count; ++i) {
-    ObserveCell(index(x[i], 0) +
-                    static_cast<size_t>(dimensions_[0]) *
-                        (index(y[i], 1) +
-                         static_cast<size_t>(dimensions_[1]) * index(z[i], 2)),
-                log_density[i],
-                decay);
+    ObserveCell(
+        CellIndex(
+            coordinate(x[i], 0), coordinate(y[i], 1), coordinate(z[i], 2)),
+        log_density[i],
+        decay);
   }
 }
 
-void DensityCache::ObserveCell(const size_t cell,
+void DensityCache::ObserveCell(const size_t index,
                                const float log_density,
                                const float decay) {
-  const float level = std::min(
-      std::max((log_density - kMinLogDensity) * kLevelsPerUnit, 0.0f), 255.0f);
-  const float old_level = cells_[cell];
+  const float level = Level(log_density);
+  const float old_level = cells_[index];
   // Rounded towards the new level, or a small difference would never close.
-  cells_[cell] = static_cast<uint8_t>(
-      level > old_level ? std::ceil(level)
-                        : std::floor(level + decay * (old_level - level)));
+  if (level > old_level) {
+    const int floor = static_cast<int>(level);
+    cells_[index] = static_cast<uint8_t>(floor + (floor < level));
+  } else {
+    cells_[index] = static_cast<uint8_t>(level + decay * (old_level - level));
+  }
 }
 
 }  // namespace structnerf

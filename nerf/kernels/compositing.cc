@@ -1,5 +1,7 @@
 #include "nerf/kernels/compositing.h"
 
+#include "nerf/engine/ray_tile.h"
+
 // clang-format off
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "nerf/kernels/compositing.cc"
@@ -193,7 +195,7 @@ void CompositeBackwardImpl(const CompositeInputs& inputs,
     const float* const z = samples.z + ray * n;
     const float* const raw = inputs.raw_density + ray * n * stride;
     const float* const d_weight_color = gradients.d_weight_color + ray * n;
-    float* const d_raw = d_raw_density + ray * n * stride;
+    float* const d_raw = d_raw_density + ray * n;
 
     const float depth = gradients.depth[ray];
     const float d_depth = gradients.d_depth[ray];
@@ -214,7 +216,7 @@ void CompositeBackwardImpl(const CompositeInputs& inputs,
               (d_depth + pull * ((z[k] - pull_z) + (depth - pull_z)));
       if (k == n - 1) {
         later = weight[k] * (d_weight - gradients.d_opacity[ray]);
-        d_raw[k * stride] = 0;
+        d_raw[k] = 0;
         continue;
       }
       const float d_z = weight[k] * (d_depth + 2 * pull * (z[k] - pull_z));
@@ -223,7 +225,7 @@ void CompositeBackwardImpl(const CompositeInputs& inputs,
           transmittance[k + 1] * d_weight - later + d_z * length * z_by_tau[k];
       const float raw_k = raw[k * stride];
       const bool clamped = raw_k < kMinRawDensity || raw_k > kMaxRawDensity;
-      d_raw[k * stride] = clamped ? 0.0f : d_tau * tau[k];
+      d_raw[k] = clamped ? 0.0f : d_tau * tau[k];
       later += weight[k] * d_weight;
     }
   }

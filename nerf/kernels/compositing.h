@@ -24,9 +24,6 @@ namespace structnerf {
 constexpr float kMinRawDensity = -12.0f;
 constexpr float kMaxRawDensity = 12.0f;
 
-// Most samples a ray may have.
-constexpr int kMaxRaySamples = 64;
-
 struct CompositeInputs {
   size_t num_rays = 0;
   size_t num_samples = 0;              // n, per ray
@@ -67,7 +64,7 @@ struct CompositeGradients {
   const float* d_weight_color = nullptr;  // rays x n
 };
 
-// Writes dL/draw_density with the stride of the inputs.
+// Writes dL/draw_density, rays x n.
 void CompositeBackward(const CompositeInputs& inputs,
                        const CompositeSamples& samples,
                        const CompositeGradients& gradients,

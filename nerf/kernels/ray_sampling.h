@@ -24,12 +24,12 @@ struct RaySamplingParameters {
 // the light that ends in each; num_samples + 1 edges then cut the ray into
 // intervals of about equal share. The first edge is near, the last is far.
 //
-//   jitter: one number in [0, 1) per ray that shifts the inner edges.
+//   jitter: a number in [0, 1) per ray that shifts the inner edges.
 //   edges: rays x (num_samples + 1), ascending.
 void ChooseIntervals(const RayTile& rays,
                      const DensityCache& cache,
                      const RaySamplingParameters& parameters,
-                     const float* jitter,
+                     const PerRay<float>& jitter,
                      float* edges);
 
 }  // namespace structnerf

@@ -14,7 +14,7 @@ constexpr int kReportInterval = 10;
 
 // Shares of the training between two PSNR measurements.
 constexpr double kPsnrInterval = 0.1;
-constexpr int kPsnrTilesPerView = 64;
+constexpr size_t kMaxTestPixels = 8192;
 
 // Share of the training over which one level fades in.
 constexpr double kLevelFade = 0.02;
@@ -30,10 +30,9 @@ Trainer::Trainer(const TrainingObjective& objective,
                  const std::vector<int>& test_view_idxs,
                  const ReconstructionOptions& options,
                  RenderEngine* engine)
-    : objective_(objective),
-      test_view_idxs_(test_view_idxs),
-      options_(options),
-      engine_(engine) {}
+    : objective_(objective), options_(options), engine_(engine) {
+  ChooseTestPixels(test_view_idxs);
+}
 
 StepParameters Trainer::MakeStep(const int step) const {
   StepParameters parameters;
@@ -134,50 +133,64 @@ TrainingSummary Trainer::Run(Progress* progress) {
   return summary;
 }
 
+void Trainer::ChooseTestPixels(const std::vector<int>& test_view_idxs) {
+  const TrainingViews& views = objective_.Views();
+  const bool has_test_views = !test_view_idxs.empty();
+  std::vector<TestPixel> candidates;
+  for (size_t v = 0; v < views.size(); ++v) {
+    const int view_idx = static_cast<int>(v);
+    const bool is_test =
+        std::count(test_view_idxs.begin(), test_view_idxs.end(), view_idx) > 0;
+    if (has_test_views && !is_test) {
+      continue;
+    }
+    for (int row = 0; row < views.image(view_idx).height; ++row) {
+      for (int col = 0; col < views.image(view_idx).width; ++col) {
+        if ((is_test || objective_.IsHeldOut(col, row)) &&
+            !views.IsMasked(view_idx, col, row)) {
+          candidates.push_back({view_idx, col, row});
+        }
+      }
+    }
+  }
+  Random random(options_.training.seed);
+  const size_t count = std::min(candidates.size(), kMaxTestPixels);
+  for (size_t i = 0; i < count; ++i) {
+    const size_t pick =
+        i + random.NextBelow(static_cast<uint32_t>(candidates.size() - i));
+    std::swap(candidates[i], candidates[pick]);
+    test_pixels_.push_back(candidates[i]);
+  }
+}
+
 double Trainer::HeldOutPsnr() const {
-  if (test_view_idxs_.empty()) {
+  if (test_pixels_.empty()) {
     return -1;
   }
   const TrainingViews& views = objective_.Views();
-  std::vector<RayTile> tiles;
-  std::vector<Eigen::Vector3f> targets;
-  std::vector<bool> is_masked;
-  Random random(options_.training.seed, 0, 0);
-  for (const int view_idx : test_view_idxs_) {
-    const TrainingViews::Image& image = views.image(view_idx);
-    for (int i = 0; i < kPsnrTilesPerView; ++i) {
-      RayTile tile;
-      tile.num_rays = kMaxTileRays;
-      for (int ray = 0; ray < kMaxTileRays; ++ray) {
-        const int col = static_cast<int>(random.NextBelow(image.width));
-        const int row = static_cast<int>(random.NextBelow(image.height));
-        views.geometry(view_idx).SetRay(col + 0.5, row + 0.5, ray, &tile);
-        targets.push_back(views.Color(view_idx, col, row));
-        is_masked.push_back(views.IsMasked(view_idx, col, row));
-      }
-      tiles.push_back(tile);
-    }
+  std::vector<RayTile> tiles((test_pixels_.size() + kMaxTileRays - 1) /
+                             kMaxTileRays);
+  for (size_t i = 0; i < test_pixels_.size(); ++i) {
+    const TestPixel& pixel = test_pixels_[i];
+    RayTile& tile = tiles[i / kMaxTileRays];
+    views.geometry(pixel.view_idx)
+        .SetRay(pixel.col + 0.5, pixel.row + 0.5, tile.num_rays++, &tile);
   }
   std::vector<RayOutputs> outputs;
   engine_->Render(tiles, /*with_color=*/true, &outputs);
   double sum = 0;
-  size_t count = 0;
-  for (size_t i = 0; i < targets.size(); ++i) {
-    if (is_masked[i]) {
-      continue;
-    }
-    count += 3;
-    const RayOutputs& output = outputs[i / kMaxTileRays];
+  for (size_t i = 0; i < test_pixels_.size(); ++i) {
+    const TestPixel& pixel = test_pixels_[i];
+    const Eigen::Vector3f target =
+        views.Color(pixel.view_idx, pixel.col, pixel.row);
     for (int c = 0; c < 3; ++c) {
       const double difference =
-          output.color[c][i % kMaxTileRays] - targets[i][c];
+          outputs[i / kMaxTileRays].color[c][i % kMaxTileRays] - target[c];
       sum += difference * difference;
     }
   }
-  return count > 0
-             ? -10.0 *
-                   std::log10(std::max(sum / static_cast<double>(count), 1e-12))
-             : -1;
+  const double mean = sum / (3.0 * static_cast<double>(test_pixels_.size()));
+  return -10.0 * std::log10(std::max(mean, 1e-12));
 }
 
 }  // namespace structnerf

@@ -15,7 +15,8 @@ namespace structnerf {
 // Runs the training loop on an engine.
 class Trainer {
  public:
-  // `test_view_idxs`: views that were held out, for PSNR.
+  // `test_view_idxs`: views that were held out, for PSNR. Without any, it is
+  // measured at the pixels that the objective holds out of all views.
   Trainer(const TrainingObjective& objective,
           const std::vector<int>& test_view_idxs,
           const ReconstructionOptions& options,
@@ -27,13 +28,20 @@ class Trainer {
  private:
   StepParameters MakeStep(int step) const;
 
-  // PSNR over a fixed choice of the unmasked pixels of the held-out views; -1
-  // without any.
+  struct TestPixel {
+    int view_idx = -1;
+    int col = 0;
+    int row = 0;
+  };
+
+  void ChooseTestPixels(const std::vector<int>& test_view_idxs);
+
+  // PSNR over the test pixels; -1 without any.
   double HeldOutPsnr() const;
 
   const TrainingObjective& objective_;
-  const std::vector<int> test_view_idxs_;
   const ReconstructionOptions options_;
+  std::vector<TestPixel> test_pixels_;
   RenderEngine* const engine_;
 };
 

@@ -18,6 +18,9 @@ namespace {
 constexpr int kNumPlanarGroups = 2;
 constexpr int kNumSparseRays = 4;
 
+// Distance of pixels whose colour is held out.
+constexpr int kHeldOutStride = 16;
+
 // Pixels per cell of the interpolated prior.
 constexpr int kPriorCell = 4;
 
@@ -172,6 +175,9 @@ class TrainingObjective::Tile : public TileObjective {
         objective_.training_options_.rays_per_step;
     double sum = 0;
     for (int ray = 0; ray < rays_->num_rays; ++ray) {
+      if (objective_.IsHeldOut(col_[ray], row_[ray])) {
+        continue;
+      }
       const Eigen::Vector3f target =
           objective_.views_.Color(view_idx_[ray], col_[ray], row_[ray]);
       for (int c = 0; c < 3; ++c) {
@@ -307,6 +313,12 @@ TrainingObjective::TrainingObjective(
 }
 
 TrainingObjective::~TrainingObjective() = default;
+
+bool TrainingObjective::IsHeldOut(const int col, const int row) const {
+  return training_options_.test_every == 0 &&
+         col % kHeldOutStride == kHeldOutStride / 2 &&
+         row % kHeldOutStride == kHeldOutStride / 2;
+}
 
 std::unique_ptr<TileObjective> TrainingObjective::MakeTileObjective() const {
   return std::make_unique<Tile>(*this);

@@ -30,6 +30,10 @@ class TrainingObjective {
 
   const TrainingViews& Views() const { return views_; }
 
+  // Whether a pixel's colour is kept out of training to measure PSNR: one in
+  // 256 if no view is held out, else none.
+  bool IsHeldOut(int col, int row) const;
+
   // Tiles in one step.
   int NumTiles() const { return num_tiles_; }
 
