@@ -62,7 +62,7 @@ void WriteCloud(const std::string& path,
 }  // namespace
 
 int DefaultMinNumPixels(const size_t num_views) {
-  return static_cast<int>(std::clamp<size_t>(num_views / 6, 2, 5));
+  return static_cast<int>(std::clamp<size_t>(num_views / 10, 2, 5));
 }
 
 size_t EstimateFusionMemory(const colmap::mvs::StereoFusionOptions& options,

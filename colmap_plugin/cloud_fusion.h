@@ -12,9 +12,9 @@
 
 namespace structnerf {
 
-// StereoFusion's min_num_pixels for so many views: one in six, at least 2 and
-// at most COLMAP's default of 5. COLMAP's default alone leaves the clouds of
-// few views empty.
+// StereoFusion's min_num_pixels for so many views: one in ten, at least 2 and
+// at most COLMAP's default of 5. That default leaves the clouds of few views
+// nearly empty; pixels of geometric maps are confirmed by other views already.
 int DefaultMinNumPixels(size_t num_views);
 
 // Bytes that COLMAP's fusion needs at its peak for these views.

@@ -146,7 +146,7 @@ int RunController(const DenseCommand& command) {
   }
   const ScopedInterrupts interrupts;
   // COLMAP's own lines would tear the progress line apart.
-  const ScopedLogLevel quiet(google::GLOG_WARNING);
+  const ScopedLogLevel quiet(google::GLOG_ERROR);
   auto progress = std::make_unique<TerminalProgress>(
       &std::cerr, TerminalProgress::OptionsFor(STDERR_FILENO));
   StructNerfController controller(

@@ -102,9 +102,9 @@ TEST_F(CloudFusionTest, AbortWritesNothing) {
 
 TEST(DefaultMinNumPixels, GrowsWithTheViewsUpToColmapsDefault) {
   EXPECT_EQ(DefaultMinNumPixels(2), 2);
-  EXPECT_EQ(DefaultMinNumPixels(12), 2);
-  EXPECT_EQ(DefaultMinNumPixels(20), 3);
-  EXPECT_EQ(DefaultMinNumPixels(30), 5);
+  EXPECT_EQ(DefaultMinNumPixels(29), 2);
+  EXPECT_EQ(DefaultMinNumPixels(30), 3);
+  EXPECT_EQ(DefaultMinNumPixels(50), 5);
   EXPECT_EQ(DefaultMinNumPixels(1000), 5);
 }
 

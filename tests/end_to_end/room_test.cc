@@ -239,7 +239,7 @@ TEST_F(RoomTest, StockFusionAndMeshersWorkOnIt) {
                                      Dense(),
                                      "--output_path",
                                      fused,
-                                     "--StereoFusion.min_num_pixels=3"});
+                                     "--StereoFusion.min_num_pixels=2"});
   EXPECT_EQ(result.exit_code, 0) << result.error;
   EXPECT_THAT(result.error, Not(HasSubstr("Ignoring image")));
   const size_t num_points = colmap::ReadPly(fused).size();
