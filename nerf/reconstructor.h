@@ -18,7 +18,7 @@ struct TrainingSummary {
   int num_steps = 0;           // done
   bool stopped_early = false;  // asked to by Progress
   double final_loss = -1;
-  double held_out_psnr = -1;  // dB; -1 = no view was held out
+  double held_out_psnr = -1;  // dB; -1 = no pixel was held out
   double seconds = 0;         // wall time
   size_t num_rays = 0;
   size_t num_samples = 0;  // evaluations of the field with gradient

@@ -136,7 +136,9 @@ TrainingSummary Trainer::Run(Progress* progress) {
 void Trainer::ChooseTestPixels(const std::vector<int>& test_view_idxs) {
   const TrainingViews& views = objective_.Views();
   const bool has_test_views = !test_view_idxs.empty();
-  std::vector<TestPixel> candidates;
+  // A random choice among candidates that are too many to be listed.
+  Random random(options_.training.seed);
+  size_t num_candidates = 0;
   for (size_t v = 0; v < views.size(); ++v) {
     const int view_idx = static_cast<int>(v);
     const bool is_test =
@@ -146,20 +148,22 @@ void Trainer::ChooseTestPixels(const std::vector<int>& test_view_idxs) {
     }
     for (int row = 0; row < views.image(view_idx).height; ++row) {
       for (int col = 0; col < views.image(view_idx).width; ++col) {
-        if ((is_test || objective_.IsHeldOut(col, row)) &&
-            !views.IsMasked(view_idx, col, row)) {
-          candidates.push_back({view_idx, col, row});
+        if (!(is_test || objective_.IsHeldOut(col, row)) ||
+            views.IsMasked(view_idx, col, row)) {
+          continue;
+        }
+        const size_t place =
+            num_candidates < kMaxTestPixels
+                ? num_candidates
+                : random.NextBelow(static_cast<uint32_t>(num_candidates + 1));
+        ++num_candidates;
+        if (place == test_pixels_.size()) {
+          test_pixels_.push_back({view_idx, col, row});
+        } else if (place < kMaxTestPixels) {
+          test_pixels_[place] = {view_idx, col, row};
         }
       }
     }
-  }
-  Random random(options_.training.seed);
-  const size_t count = std::min(candidates.size(), kMaxTestPixels);
-  for (size_t i = 0; i < count; ++i) {
-    const size_t pick =
-        i + random.NextBelow(static_cast<uint32_t>(candidates.size() - i));
-    std::swap(candidates[i], candidates[pick]);
-    test_pixels_.push_back(candidates[i]);
   }
 }
 
