@@ -267,9 +267,11 @@ TEST_F(ReconstructorTest, ReportsAndSummary) {
 
 // What a field learns until it is stopped is kept, rendered and saved.
 TEST_F(ReconstructorTest, StopsEarlyWithWhatWasLearned) {
-  Reconstructor reconstructor(*scene_, SmallOptions());
+  ReconstructionOptions options = SmallOptions();
+  // At the stop, the second level is just coming in and finer ones are off.
+  options.training.coarse_to_fine_fraction = 0.27;
+  Reconstructor reconstructor(*scene_, options);
   RecordingProgress progress;
-  // Before the finest level has come in.
   progress.stop_at = 0.1;
   reconstructor.Train(&progress);
   EXPECT_TRUE(reconstructor.Summary().stopped_early);

@@ -44,6 +44,8 @@ ObjectiveScene::ObjectiveScene() {
   loss.sparse_weight = 1;
   loss.prior_weight = 0.1;
   training.num_steps = 100;
+  // No single pixels are held out.
+  training.test_every = 8;
   training.rays_per_step = 256;
 }
 

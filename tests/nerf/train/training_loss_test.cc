@@ -90,6 +90,35 @@ TEST(TrainingLoss, ColorByHand) {
   }
 }
 
+// Where PSNR is measured, nothing is learned about colour.
+TEST(TrainingLoss, HeldOutPixelsHaveNoColorLoss) {
+  ObjectiveScene test;
+  OnlyColor(&test.loss);
+  test.training.test_every = 0;
+  const TrainingObjective objective = test.MakeObjective();
+  const auto tile_objective = objective.MakeTileObjective();
+  int num_held_out = 0;
+  for (int step = 0; step < 100; ++step) {
+    for (int tile = 0; tile < objective.NumTiles(); ++tile) {
+      RayTile rays;
+      tile_objective->DrawRays(step, tile, &rays);
+      RayOutputs outputs = test.TrueOutputs(rays);
+      for (float& red : outputs.color[0]) {
+        red += 0.1f;
+      }
+      RayGradients gradients;
+      tile_objective->Evaluate(outputs, &gradients);
+      for (int ray = 0; ray < rays.num_rays; ++ray) {
+        const auto point = test.Identify(rays, ray);
+        const bool is_held_out = objective.IsHeldOut(point.Col(), point.Row());
+        num_held_out += is_held_out;
+        EXPECT_EQ(gradients.d_color[0][ray] == 0, is_held_out);
+      }
+    }
+  }
+  EXPECT_GT(num_held_out, 0);
+}
+
 TEST(TrainingLoss, SparseByHand) {
   ObjectiveScene test;
   OnlyColor(&test.loss);

@@ -175,6 +175,24 @@ TEST(DrawRays, HeldOutViewsAreNeverDrawn) {
   EXPECT_GT(counts[3], 1000);
 }
 
+TEST(IsHeldOut, OneOf256PixelsIfNoViewIs) {
+  ObjectiveScene test;
+  const auto count = [&] {
+    const TrainingObjective objective = test.MakeObjective();
+    int num_held_out = 0;
+    for (int row = 0; row < 160; ++row) {
+      for (int col = 0; col < 320; ++col) {
+        num_held_out += objective.IsHeldOut(col, row);
+      }
+    }
+    return num_held_out;
+  };
+  test.training.test_every = 0;
+  EXPECT_EQ(count(), 320 * 160 / 256);
+  test.training.test_every = 2;
+  EXPECT_EQ(count(), 0);
+}
+
 TEST(DrawRays, PixelsAreEquallyLikely) {
   ObjectiveScene test;
   test.loss.sparse_weight = 0;
