@@ -303,13 +303,33 @@ void StructNerfController::FusePoints() {
                image_names_.size(),
                progress_.get());
   if (report_.num_fused_points == 0) {
-    Warn(
-        "No points were fused: too few views agree on a depth. Lower "
-        "--StereoFusion.min_num_pixels (now " +
-        std::to_string(fusion_options.min_num_pixels) +
-        "), fuse with --StructNeRF.input_type photometric, or add images "
-        "that overlap more.");
+    Warn(EmptyCloudText(fusion_options.min_num_pixels));
   }
+}
+
+std::string StructNerfController::EmptyCloudText(
+    const int min_num_pixels) const {
+  const bool is_geometric = options_.input_type == "geometric";
+  std::string text = "No points were fused, because ";
+  if (is_geometric && std::all_of(report_.views.begin(),
+                                  report_.views.end(),
+                                  [](const ViewReport& view) {
+                                    return view.num_geometric == 0;
+                                  })) {
+    text += "no pixel's depth was confirmed by other views";
+  } else {
+    text += "no point was seen by " + std::to_string(min_num_pixels) +
+            " pixels of different views";
+  }
+  text += "; add images that overlap more";
+  if (is_geometric) {
+    text += ", or pass --StructNeRF.input_type photometric";
+  }
+  if (min_num_pixels > 1) {
+    text += ", or --StereoFusion.min_num_pixels " +
+            std::to_string(min_num_pixels - 1);
+  }
+  return text + ".";
 }
 
 void StructNerfController::WriteResults() {

@@ -9,6 +9,7 @@
 
 #include <fcntl.h>
 #include <poll.h>
+#include <pty.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -20,9 +21,11 @@ struct Pipe {
   int read_end = -1;
   int write_end = -1;
 
-  Pipe() {
+  explicit Pipe(const bool is_terminal = false) {
     int ends[2];
-    if (pipe2(ends, O_CLOEXEC) != 0) {
+    const winsize size = {24, 80, 0, 0};
+    if ((is_terminal ? openpty(&ends[0], &ends[1], nullptr, nullptr, &size)
+                     : pipe2(ends, O_CLOEXEC)) != 0) {
       throw std::runtime_error("no pipe");
     }
     read_end = ends[0];
@@ -66,12 +69,13 @@ bool Append(const int file, std::string* text) {
 Program::Program(const ProgramOptions& options) {
   const Pipe in;
   const Pipe out;
-  const Pipe error;
+  const Pipe error(options.has_terminal);
   pid_ = fork();
   if (pid_ == 0) {
     dup2(in.read_end, STDIN_FILENO);
     dup2(out.write_end, STDOUT_FILENO);
     dup2(error.write_end, STDERR_FILENO);
+    close(error.read_end);
     Execute(options);
   }
   close(in.read_end);

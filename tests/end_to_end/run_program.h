@@ -20,6 +20,9 @@ struct ProgramOptions {
   std::map<std::string, std::string> environment;  // added to ours
   std::string input;                               // standard input
 
+  // Standard error is a terminal of 80 columns.
+  bool has_terminal = false;
+
   // Files cannot grow beyond so many bytes, as if the disk were full; 0 = no
   // limit.
   size_t max_file_size = 0;

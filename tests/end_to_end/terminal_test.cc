@@ -1,9 +1,10 @@
-// What Ctrl-C does to a run.
+// What a person at a terminal sees, and what Ctrl-C does.
 
 #include "tests/colmap_plugin/tiny_model.h"
 #include "tests/end_to_end/run_program.h"
 #include "tests/support/temp_dir.h"
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <filesystem>
@@ -18,11 +19,12 @@
 namespace structnerf {
 namespace {
 
+using testing::ContainsRegex;
 using testing::HasSubstr;
 
-class InterruptTest : public testing::Test {
+class TerminalTest : public testing::Test {
  protected:
-  InterruptTest() {
+  TerminalTest() {
     const TinyModel model = MakeTinyModel(3);
     model.WriteImages(temp_dir_ / "images");
     model.WriteModel(temp_dir_ / "sparse");
@@ -41,7 +43,19 @@ class InterruptTest : public testing::Test {
   ProgramOptions options_;
 };
 
-TEST_F(InterruptTest, OnceStopsTrainingAndWritesMaps) {
+TEST_F(TerminalTest, ShowsABarThatIsRedrawnInPlace) {
+  options_.has_terminal = true;
+  options_.arguments.back() = "--StructNeRF.num_steps=3000";
+  const ProgramResult result = RunProgram(options_);
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.error, ContainsRegex("Training +.#+\\.+. [0-9]+ %"));
+  EXPECT_THAT(result.error, HasSubstr(" left, loss "));
+  // One line per stage in the end, and a few sentences.
+  EXPECT_LT(std::count(result.error.begin(), result.error.end(), '\n'), 10);
+  EXPECT_THAT(result.out, HasSubstr("Points fused"));
+}
+
+TEST_F(TerminalTest, CtrlCOnceStopsTrainingAndWritesMaps) {
   Program program(options_);
   ASSERT_TRUE(program.WaitForError("Training\n"));
   program.Signal(SIGINT);
@@ -55,7 +69,7 @@ TEST_F(InterruptTest, OnceStopsTrainingAndWritesMaps) {
   EXPECT_EQ(nlohmann::json::parse(report)["training"]["stopped_early"], true);
 }
 
-TEST_F(InterruptTest, TwiceLeavesTheDiskAsItWas) {
+TEST_F(TerminalTest, CtrlCTwiceLeavesTheDiskAsItWas) {
   const auto before = ReadFolder(temp_dir_.Path());
   // The second one can come too late, when these few maps are written.
   bool was_in_time = false;
@@ -78,7 +92,7 @@ TEST_F(InterruptTest, TwiceLeavesTheDiskAsItWas) {
   EXPECT_TRUE(was_in_time);
 }
 
-TEST_F(InterruptTest, TerminationLeavesTheDiskAsItWas) {
+TEST_F(TerminalTest, TerminationLeavesTheDiskAsItWas) {
   const auto before = ReadFolder(temp_dir_.Path());
   Program program(options_);
   ASSERT_TRUE(program.WaitForError("Training\n"));
