@@ -7,6 +7,9 @@ function(structnerf_compile_options target)
     target_compile_options(${target} PRIVATE
       -fsanitize=${STRUCTNERF_SANITIZE} -fno-omit-frame-pointer)
     target_link_options(${target} PUBLIC -fsanitize=${STRUCTNERF_SANITIZE})
+    # With sanitizers Eigen allocates in another way unless told not to. COLMAP
+    # has none, and matrices are made there and freed here.
+    target_compile_definitions(${target} PRIVATE EIGEN_MALLOC_ALREADY_ALIGNED=1)
   endif()
 endfunction()
 
