@@ -143,6 +143,7 @@ size_t FuseMaps(const DenseWorkspace& workspace,
     update.fraction =
         std::min(1.0, static_cast<double>(num_calls++) / (num_views + 1));
     progress->Report(update);
+    progress->BlockWhilePaused();
     aborted = aborted || progress->ShouldAbort();
     return aborted;
   });

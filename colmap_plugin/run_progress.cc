@@ -10,4 +10,6 @@ void RunProgress::Warn(const std::string& sentence) {
   LOG(WARNING) << sentence;
 }
 
+std::string RunProgress::PreviewImage() { return ""; }
+
 }  // namespace structnerf

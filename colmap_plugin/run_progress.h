@@ -16,6 +16,10 @@ class RunProgress : public Progress {
 
   // One sentence about something that may spoil the result.
   virtual void Warn(const std::string& sentence);
+
+  // Name of the image whose view somebody wants to watch during training; empty
+  // = none. Asked often.
+  virtual std::string PreviewImage();
 };
 
 }  // namespace structnerf

@@ -161,9 +161,7 @@ Scene ConvertScene(const colmap::Reconstruction& reconstruction,
     futures[i].get();
     update.fraction = static_cast<double>(i + 1) / futures.size();
     progress->Report(update);
-    if (progress->ShouldAbort()) {
-      throw Aborted();
-    }
+    PauseOrAbort(progress);
   }
   return scene;
 }

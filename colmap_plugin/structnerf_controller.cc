@@ -24,6 +24,7 @@ class SilentProgress : public Progress {
   explicit SilentProgress(Progress* progress) : progress_(progress) {}
   bool ShouldStop() override { return progress_->ShouldStop(); }
   bool ShouldAbort() override { return progress_->ShouldAbort(); }
+  void BlockWhilePaused() override { progress_->BlockWhilePaused(); }
 
  private:
   Progress* progress_;
@@ -61,6 +62,16 @@ class StructNerfController::ControllerProgress : public RunProgress {
     return progress_->ShouldStop() || controller_->CheckIfStopped();
   }
   bool ShouldAbort() override { return progress_->ShouldAbort(); }
+  void BlockWhilePaused() override { progress_->BlockWhilePaused(); }
+  int PreviewViewIdx() override {
+    const std::string name = progress_->PreviewImage();
+    const std::vector<std::string>& names = controller_->image_names_;
+    const auto found = std::find(names.begin(), names.end(), name);
+    return found != names.end() ? static_cast<int>(found - names.begin()) : -1;
+  }
+  void ShowPreview(const Preview& preview) override {
+    progress_->ShowPreview(preview);
+  }
   void Note(const std::string& sentence) override { progress_->Note(sentence); }
   void Warn(const std::string& sentence) override { progress_->Warn(sentence); }
 
@@ -349,9 +360,7 @@ void StructNerfController::BeginStage(const std::string& name) {
   ProgressUpdate update;
   update.stage = name;
   progress_->Report(update);
-  if (progress_->ShouldAbort()) {
-    throw Aborted();
-  }
+  PauseOrAbort(progress_.get());
 }
 
 void StructNerfController::ReportFraction(const size_t num_done,
@@ -360,9 +369,7 @@ void StructNerfController::ReportFraction(const size_t num_done,
   update.stage = progress_->Stage();
   update.fraction = static_cast<double>(num_done) / num_all;
   progress_->Report(update);
-  if (progress_->ShouldAbort()) {
-    throw Aborted();
-  }
+  PauseOrAbort(progress_.get());
 }
 
 void StructNerfController::Warn(const std::string& sentence) {

@@ -8,4 +8,19 @@ bool Progress::ShouldStop() { return false; }
 
 bool Progress::ShouldAbort() { return false; }
 
+void Progress::BlockWhilePaused() {}
+
+int Progress::PreviewViewIdx() { return -1; }
+
+void Progress::ShowPreview(const Preview&) {}
+
+std::chrono::steady_clock::duration PauseOrAbort(Progress* progress) {
+  const auto begin = std::chrono::steady_clock::now();
+  progress->BlockWhilePaused();
+  if (progress->ShouldAbort()) {
+    throw Aborted();
+  }
+  return std::chrono::steady_clock::now() - begin;
+}
+
 }  // namespace structnerf

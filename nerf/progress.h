@@ -1,5 +1,8 @@
 #pragma once
 
+#include "nerf/preview.h"
+
+#include <chrono>
 #include <string>
 
 namespace structnerf {
@@ -13,8 +16,9 @@ struct ProgressUpdate {
   double held_out_psnr = -1;  // dB; -1 = none
 };
 
-// Passed down into long work. The default implementation is silent and never
-// stops. Both functions are called from the thread that runs the work.
+// Passed down into long work. The default implementation is silent, never stops
+// or pauses, and asks for no preview. All functions are called from the thread
+// that runs the work.
 class Progress {
  public:
   virtual ~Progress() = default;
@@ -28,9 +32,24 @@ class Progress {
   // Polled as often. Once true, the work ends as soon as possible by throwing
   // Aborted.
   virtual bool ShouldAbort();
+
+  // Called as often; returns when the work may go on.
+  virtual void BlockWhilePaused();
+
+  // The view that somebody wants to watch during training, -1 = none. Asked
+  // between steps.
+  virtual int PreviewViewIdx();
+
+  // That view, at most so often that rendering it costs few percent of the
+  // training.
+  virtual void ShowPreview(const Preview& preview);
 };
 
 // Thrown by work that was told to abort.
 struct Aborted {};
+
+// To be called between pieces of work: waits while it is paused and throws
+// Aborted if it was told to abort. Returns the time spent waiting.
+std::chrono::steady_clock::duration PauseOrAbort(Progress* progress);
 
 }  // namespace structnerf

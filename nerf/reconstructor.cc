@@ -3,6 +3,7 @@
 #include "nerf/engine/render_engine.h"
 #include "nerf/extract/depth_renderer.h"
 #include "nerf/extract/normal_estimation.h"
+#include "nerf/extract/preview_renderer.h"
 #include "nerf/field/field_file.h"
 #include "nerf/scene_frame.h"
 #include "nerf/stereo/depth_refinement.h"
@@ -184,11 +185,15 @@ void Reconstructor::Train(Progress* progress) {
                   impl_->test_view_idxs,
                   impl_->options,
                   impl_->engine.get());
-  impl_->summary = trainer.Run(progress);
+  PreviewRenderer previews(impl_->scene,
+                           impl_->frame,
+                           impl_->objective->Views(),
+                           impl_->engine.get());
+  impl_->summary = trainer.Run(progress, &previews);
   // What is rendered from now on is exactly what SaveField would save, though
   // training may have stopped while levels were coming in.
   impl_->engine->SetParameters(impl_->engine->Parameters());
-  impl_->engine->RebuildDensityCache();
+  impl_->engine->RebuildDensityCache(progress);
 }
 
 DenseMaps Reconstructor::RenderView(const size_t view_idx,
@@ -205,6 +210,7 @@ DenseMaps Reconstructor::RenderView(const size_t view_idx,
                 *impl_->patch_match,
                 impl_->options.stereo.max_cost,
                 impl_->pool.get(),
+                progress,
                 &maps);
   }
   const float max_std =
@@ -237,7 +243,8 @@ void Reconstructor::SaveField(const std::string& path) const {
 void Reconstructor::LoadField(const std::string& path) {
   impl_->engine->SetParameters(
       ReadField(path, impl_->options.field, impl_->frame.extent));
-  impl_->engine->RebuildDensityCache();
+  Progress silent;
+  impl_->engine->RebuildDensityCache(&silent);
 }
 
 }  // namespace structnerf

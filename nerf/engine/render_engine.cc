@@ -10,12 +10,13 @@ constexpr size_t kRebuildPoints = 4;
 
 }  // namespace
 
-void RenderEngine::RebuildDensityCache() {
+void RenderEngine::RebuildDensityCache(Progress* progress) {
   MutableCache()->Clear();
   const size_t num_cells = Cache().NumCells();
   for (size_t round = 0; round < kRebuildPoints; ++round) {
     for (size_t done = 0; done < num_cells;
          done += DensityCache::kRefreshCells) {
+      PauseOrAbort(progress);
       RefreshDensityCache(/*decay=*/1.0f);
     }
   }

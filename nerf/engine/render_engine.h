@@ -4,6 +4,7 @@
 #include "nerf/field/density_cache.h"
 #include "nerf/field/field_layout.h"
 #include "nerf/options.h"
+#include "nerf/progress.h"
 
 #include <array>
 #include <cstddef>
@@ -88,8 +89,8 @@ class RenderEngine {
   // Evaluates the density of every cell anew, at several points each. For
   // rendering: training sees most of a cell's history, a rendered ray only what
   // the cache says now, and misses a surface where it says nothing. The result
-  // depends on the parameters alone.
-  void RebuildDensityCache();
+  // depends on the parameters alone. Throws Aborted if told to abort.
+  void RebuildDensityCache(Progress* progress);
 
   virtual const DensityCache& Cache() const = 0;
 

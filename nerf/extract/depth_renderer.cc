@@ -31,9 +31,7 @@ void RenderPixels(const std::vector<Pixel>& pixels,
   std::vector<RayOutputs> outputs;
   for (size_t begin = 0; begin < pixels.size();
        begin += kTilesPerBatch * kMaxTileRays) {
-    if (progress->ShouldAbort()) {
-      throw Aborted();
-    }
+    PauseOrAbort(progress);
     const size_t end =
         std::min(pixels.size(), begin + kTilesPerBatch * kMaxTileRays);
     tiles.assign((end - begin + kMaxTileRays - 1) / kMaxTileRays, RayTile());

@@ -75,6 +75,7 @@ void RefineDepth(const View& view,
                  const PatchMatch& patch_match,
                  const double max_cost,
                  ThreadPool* pool,
+                 Progress* progress,
                  DenseMaps* maps) {
   const PinholeCamera& camera = view.camera;
   // Camera pixels per pixel of the matched image.
@@ -106,7 +107,7 @@ void RefineDepth(const View& view,
     }
   });
 
-  patch_match.Refine(view_idx, pool, &planes);
+  patch_match.Refine(view_idx, pool, progress, &planes);
 
   pool->ParallelFor(camera.height, [&](const size_t map_row, int) {
     for (int map_col = 0; map_col < camera.width; ++map_col) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "nerf/dense_maps.h"
+#include "nerf/progress.h"
 #include "nerf/scene.h"
 #include "nerf/scene_frame.h"
 #include "nerf/stereo/patch_match.h"
@@ -10,7 +11,8 @@ namespace structnerf {
 
 // Matches a view's patches with its sources, starting from the rendered depth
 // and normals in `maps`, and puts the planes found where they match at most
-// `max_cost`. Other pixels, and those without a depth, stay as they are.
+// `max_cost`. Other pixels, and those without a depth, stay as they are. Throws
+// Aborted if told to abort.
 void RefineDepth(const View& view,
                  int view_idx,
                  const SceneFrame& frame,
@@ -18,6 +20,7 @@ void RefineDepth(const View& view,
                  const PatchMatch& patch_match,
                  double max_cost,
                  ThreadPool* pool,
+                 Progress* progress,
                  DenseMaps* maps);
 
 }  // namespace structnerf

@@ -22,6 +22,9 @@ namespace structnerf {
 // Most sources per view.
 constexpr int kMaxSlots = 32;
 
+// Rows worked on between two looks at whether to abort.
+constexpr int kRowsPerBatch = 64;
+
 // What a sweep over one view reads and writes.
 struct PatchMatchSweep {
   const ViewWarp* warps = nullptr;  // of this view's sources
@@ -356,6 +359,7 @@ PatchMatch::PatchMatch(const Scene& scene,
 
 void PatchMatch::Refine(const int view_idx,
                         ThreadPool* pool,
+                        Progress* progress,
                         PlaneMaps* maps) const {
   const size_t num_pixels = static_cast<size_t>(maps->width) * maps->height;
   maps->cost.assign(num_pixels, 2.0f);
@@ -379,9 +383,14 @@ void PatchMatch::Refine(const int view_idx,
   for (int iteration = -1; iteration < options_.num_iterations; ++iteration) {
     sweep.iteration = iteration;
     for (sweep.color = 0; sweep.color < 2; ++sweep.color) {
-      pool->ParallelFor(maps->height, [&](const size_t row, int) {
-        HWY_DYNAMIC_DISPATCH(SweepRow)(sweep, static_cast<int>(row));
-      });
+      for (int begin = 0; begin < maps->height; begin += kRowsPerBatch) {
+        PauseOrAbort(progress);
+        pool->ParallelFor(std::min(kRowsPerBatch, maps->height - begin),
+                          [&](const size_t row, int) {
+                            HWY_DYNAMIC_DISPATCH(SweepRow)
+                            (sweep, begin + static_cast<int>(row));
+                          });
+      }
     }
   }
 }

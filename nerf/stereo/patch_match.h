@@ -2,6 +2,7 @@
 
 #include "nerf/losses/view_warp.h"
 #include "nerf/options.h"
+#include "nerf/progress.h"
 #include "nerf/scene.h"
 #include "nerf/scene_frame.h"
 #include "nerf/train/training_views.h"
@@ -51,8 +52,12 @@ class PatchMatch {
 
   // `maps` holds the seed and receives the result. Pixels without a seed, whose
   // inverse depth is not positive, and pixels whose seed no source sees stay as
-  // they are, at cost 2. `pool` may be used by nobody else at that time.
-  void Refine(int view_idx, ThreadPool* pool, PlaneMaps* maps) const;
+  // they are, at cost 2. `pool` may be used by nobody else at that time. Throws
+  // Aborted if told to abort.
+  void Refine(int view_idx,
+              ThreadPool* pool,
+              Progress* progress,
+              PlaneMaps* maps) const;
 
  private:
   const TrainingViews& views_;

@@ -52,7 +52,7 @@ StepParameters Trainer::MakeStep(const int step) const {
   return parameters;
 }
 
-TrainingSummary Trainer::Run(Progress* progress) {
+TrainingSummary Trainer::Run(Progress* progress, PreviewRenderer* previews) {
   const TrainingOptions& training = options_.training;
   std::vector<std::unique_ptr<TileObjective>> tile_objectives;
   for (int i = 0; i < engine_->NumThreads(); ++i) {
@@ -63,14 +63,12 @@ TrainingSummary Trainer::Run(Progress* progress) {
   summary.num_parameters = engine_->Layout().NumParameters();
   int& num_skipped_steps = summary.guard_counts["non_finite_gradient"];
   int& num_bad_losses = summary.guard_counts["non_finite_loss"];
-  const auto begin = std::chrono::steady_clock::now();
+  auto begin = std::chrono::steady_clock::now();
   double mean_loss = -1;
   double psnr = -1;
   double next_psnr = kPsnrInterval;
   for (int step = 0; step < training.num_steps; ++step) {
-    if (progress->ShouldAbort()) {
-      throw Aborted();
-    }
+    begin += PauseOrAbort(progress);
     if (progress->ShouldStop()) {
       summary.stopped_early = true;
       break;
@@ -92,6 +90,9 @@ TrainingSummary Trainer::Run(Progress* progress) {
       progress->Report(update);
     }
 
+    if (previews != nullptr) {
+      previews->RenderIfWanted(Seconds(begin), progress);
+    }
     const LossValues losses =
         engine_->Accumulate(MakeStep(step), tile_objectives);
     double loss = 0;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "nerf/engine/render_engine.h"
+#include "nerf/extract/preview_renderer.h"
 #include "nerf/options.h"
 #include "nerf/progress.h"
 #include "nerf/reconstructor.h"
@@ -22,8 +23,9 @@ class Trainer {
           const ReconstructionOptions& options,
           RenderEngine* engine);
 
-  // Throws Aborted if told to abort.
-  TrainingSummary Run(Progress* progress);
+  // Throws Aborted if told to abort. Time in which it is paused does not count.
+  // `previews` serves those who watch; null = nobody does.
+  TrainingSummary Run(Progress* progress, PreviewRenderer* previews);
 
  private:
   StepParameters MakeStep(int step) const;

@@ -300,6 +300,32 @@ TEST_F(ReconstructorTest, AbortsWhenTold) {
   EXPECT_THROW(reconstructor.RenderView(0, &progress), Aborted);
 }
 
+// Rendering needs a cache that takes long to make.
+TEST_F(ReconstructorTest, AbortsAfterTheLastStep) {
+  Reconstructor reconstructor(*scene_, SmallOptions());
+  RecordingProgress progress;
+  progress.abort_at = 1;
+  EXPECT_THROW(reconstructor.Train(&progress), Aborted);
+  EXPECT_EQ(progress.last_fraction, 1);
+}
+
+TEST_F(ReconstructorTest, BeingWatchedChangesNothing) {
+  class WatchingProgress : public Progress {
+   public:
+    int PreviewViewIdx() override { return 1; }
+    void ShowPreview(const Preview& preview) override {
+      EXPECT_EQ(preview.view_idx, 1);
+      ++num_previews;
+    }
+    int num_previews = 0;
+  };
+  Reconstructor reconstructor(*scene_, SmallOptions());
+  WatchingProgress progress;
+  reconstructor.Train(&progress);
+  EXPECT_GE(progress.num_previews, 1);
+  EXPECT_TRUE(AreEqual(Render(reconstructor, scene_->views.size()), *maps_));
+}
+
 TEST_F(ReconstructorTest, SavedFieldGivesTheSameMaps) {
   const TempDir folder;
   const std::string path = folder / "field.bin";

@@ -90,6 +90,7 @@ void RefineMaps(const Scene& scene,
   const TrainingViews views(scene, frame);
   const PatchMatch patch_match(scene, frame, views, {{1, 2}, {}, {}}, options);
   ThreadPool pool(2);
+  Progress progress;
   RefineDepth(scene.views[0],
               0,
               frame,
@@ -97,6 +98,7 @@ void RefineMaps(const Scene& scene,
               patch_match,
               max_cost,
               &pool,
+              &progress,
               maps);
 }
 

@@ -86,7 +86,8 @@ PlaneMaps Refine(const Scene& scene,
   const PatchMatch patch_match(scene, frame, views, sources, options);
   ThreadPool pool(num_threads);
   PlaneMaps maps = seed;
-  patch_match.Refine(0, &pool, &maps);
+  Progress progress;
+  patch_match.Refine(0, &pool, &progress, &maps);
   return maps;
 }
 
@@ -426,6 +427,26 @@ TEST(PatchMatchTargets, Agree) {
   }
   hwy::SetSupportedTargetsForTest(0);
   hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+}
+
+TEST(PatchMatchLimits, EndsInTheMiddleOfAViewWhenTold) {
+  class AbortLater : public Progress {
+   public:
+    bool ShouldAbort() override { return ++num_asked_ > 2; }
+
+   private:
+    int num_asked_ = 0;
+  };
+  TexturedPlane plane;
+  const Scene scene = MakeSlantedScene(&plane);
+  const SceneFrame frame = MakeFrame();
+  const TrainingViews views(scene, frame);
+  const PatchMatch patch_match(
+      scene, frame, views, kAllSources, StereoOptions());
+  ThreadPool pool(1);
+  PlaneMaps maps = MakePlanes(plane, scene.views[0], frame.scale);
+  AbortLater progress;
+  EXPECT_THROW(patch_match.Refine(0, &pool, &progress, &maps), Aborted);
 }
 
 TEST(PatchMatchLimits, MoreSourcesThanThereIsRoomForAreRefused) {

@@ -3,9 +3,11 @@
 #include "tests/nerf/fake_engine.h"
 #include "tests/nerf/plane_scene.h"
 
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <thread>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -25,12 +27,14 @@ class RecordingProgress : public Progress {
   }
   bool ShouldStop() override { return num_stop_asked++ >= stop_at; }
   bool ShouldAbort() override { return num_abort_asked++ >= abort_at; }
+  void BlockWhilePaused() override { std::this_thread::sleep_for(pause); }
 
   std::vector<ProgressUpdate> updates;
   int num_stop_asked = 0;
   int num_abort_asked = 0;
   int stop_at = std::numeric_limits<int>::max();
   int abort_at = std::numeric_limits<int>::max();
+  std::chrono::milliseconds pause{0};  // before each step
 };
 
 class TrainerTest : public testing::Test {
@@ -61,7 +65,7 @@ class TrainerTest : public testing::Test {
                                       options_.loss,
                                       options_.training);
     return Trainer(objective, test_view_idxs, options_, &engine_)
-        .Run(&progress_);
+        .Run(&progress_, /*previews=*/nullptr);
   }
 
   Scene scene_;
@@ -177,6 +181,18 @@ TEST_F(TrainerTest, AbortsAtTheStepWhenAsked) {
   progress_.abort_at = 37;
   EXPECT_THROW(Run(), Aborted);
   EXPECT_EQ(engine_.steps.size(), 37u);
+}
+
+TEST_F(TrainerTest, PausesAreNotCountedAsTraining) {
+  options_.training.num_steps = 20;
+  progress_.pause = std::chrono::milliseconds(50);
+  const auto begin = std::chrono::steady_clock::now();
+  const TrainingSummary summary = Run();
+  EXPECT_GE(std::chrono::steady_clock::now() - begin, std::chrono::seconds(1));
+  EXPECT_LT(summary.seconds, 0.5);
+  for (const ProgressUpdate& update : progress_.updates) {
+    EXPECT_LT(update.seconds_left, 0.5);
+  }
 }
 
 TEST_F(TrainerTest, GuardsAreCounted) {
