@@ -6,6 +6,7 @@
 #include "nerf/extract/preview_renderer.h"
 #include "nerf/field/field_file.h"
 #include "nerf/scene_frame.h"
+#include "nerf/scene_guards.h"
 #include "nerf/stereo/depth_refinement.h"
 #include "nerf/train/trainer.h"
 #include "nerf/train/training_objective.h"
@@ -28,8 +29,9 @@ constexpr size_t kBytesPerTrainingPixel = 3 + 4 + 2 + 4 + 1 + 4;
 // Bytes per pixel of the maps of one view: depth, deviation, normal.
 constexpr size_t kBytesPerMapPixel = 5 * sizeof(float);
 
-// Bytes per grid feature: value and two moments, half-precision copy.
-constexpr size_t kBytesPerFeature = 4 + 2 * 2 + 2;
+// Bytes per grid feature: value and two moments, half-precision copy; the last
+// snapshot and the next.
+constexpr size_t kBytesPerFeature = 4 + 2 * 2 + 2 + 2 * 4;
 
 // Bytes per sample of a step: position and density; at each level 8 corner
 // pairs of the gradient and the gradient by the features.
@@ -91,7 +93,7 @@ class Reconstructor::Impl {
                                         }),
                          view_sources.end());
     }
-    CollectWarnings();
+    findings = InspectScene(scene, sources);
     objective = std::make_unique<TrainingObjective>(scene,
                                                     frame,
                                                     train_view_idxs,
@@ -104,35 +106,13 @@ class Reconstructor::Impl {
     pool = std::make_unique<ThreadPool>(options.training.num_threads);
   }
 
-  void CollectWarnings() {
-    std::vector<size_t> num_points(scene.views.size(), 0);
-    for (const SparsePoint& point : scene.points) {
-      for (const Observation& observation : point.track) {
-        ++num_points[observation.view_idx];
-      }
-    }
-    for (size_t v = 0; v < scene.views.size(); ++v) {
-      if (num_points[v] == 0) {
-        warnings.push_back("image " + scene.views[v].name +
-                           " sees no sparse point; its depth rests on other "
-                           "views alone");
-      }
-      if (sources[v].empty()) {
-        warnings.push_back(
-            "image " + scene.views[v].name +
-            " has no source view with a baseline; it is compared "
-            "with nothing");
-      }
-    }
-  }
-
   Scene scene;
   const ReconstructionOptions options;
   SceneFrame frame;
   std::vector<int> train_view_idxs;
   std::vector<int> test_view_idxs;
   std::vector<std::vector<int>> sources;
-  std::vector<std::string> warnings;
+  SceneFindings findings;
   std::unique_ptr<TrainingObjective> objective;
   std::unique_ptr<RenderEngine> engine;
   std::unique_ptr<PatchMatch> patch_match;
@@ -177,7 +157,7 @@ Reconstructor::Reconstructor(Scene scene, const ReconstructionOptions& options)
 Reconstructor::~Reconstructor() = default;
 
 const std::vector<std::string>& Reconstructor::Warnings() const {
-  return impl_->warnings;
+  return impl_->findings.warnings;
 }
 
 void Reconstructor::Train(Progress* progress) {
@@ -190,6 +170,8 @@ void Reconstructor::Train(Progress* progress) {
                            impl_->objective->Views(),
                            impl_->engine.get());
   impl_->summary = trainer.Run(progress, &previews);
+  impl_->summary.guard_counts.insert(impl_->findings.counts.begin(),
+                                     impl_->findings.counts.end());
   // What is rendered from now on is exactly what SaveField would save, though
   // training may have stopped while levels were coming in.
   impl_->engine->SetParameters(impl_->engine->Parameters());

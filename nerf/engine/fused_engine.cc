@@ -173,9 +173,14 @@ class FusedEngine : public RenderEngine {
   }
 
   FieldParameters Parameters() const override {
+    FieldParameters parameters = MasterParameters();
+    ApplyLevelWeights(layout_, level_weights_, &parameters.grid);
+    return parameters;
+  }
+
+  FieldParameters MasterParameters() const override {
     FieldParameters parameters;
     parameters.grid = grid_.Parameters();
-    ApplyLevelWeights(layout_, level_weights_, &parameters.grid);
     parameters.network.assign(network_values_.data(),
                               network_values_.data() + network_values_.size());
     return parameters;
@@ -188,6 +193,23 @@ class FusedEngine : public RenderEngine {
               parameters.network.end(),
               network_values_.data());
     network_.SetParameters(network_values_.data());
+  }
+
+  void Restore(const FieldParameters& parameters) override {
+    SetParameters(parameters);
+    grid_.ClearMoments();
+    for (AlignedBuffer<float>* moments :
+         {&network_first_moment_, &network_root_second_moment_}) {
+      std::fill(moments->data(), moments->data() + moments->size(), 0.0f);
+    }
+    num_updates_ = 0;
+    cache_ = DensityCache(options_.sampling.cache_resolution,
+                          options_.extent,
+                          options_.initial_density);
+  }
+
+  void Restart(const int seed) override {
+    Restore(InitialParameters(layout_, options_.initial_density, seed));
   }
 
   FieldParameters Gradients() const override {

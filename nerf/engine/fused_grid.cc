@@ -4,6 +4,7 @@
 #include "nerf/kernels/half_precision.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include <hwy/cache_control.h>
 
@@ -284,6 +285,20 @@ void FusedGrid::SetParameters(const std::vector<float>& parameters) {
     }
     HalfFromFloat(
         values, state.size() * kGridFeatures, levels_[level].table.data());
+  }
+}
+
+void FusedGrid::ClearMoments() {
+  for (Level& level : levels_) {
+    for (size_t entry = 0; entry < level.state.size(); ++entry) {
+      GridEntryState& state = level.state[entry];
+      std::fill(std::begin(state.first_moment),
+                std::end(state.first_moment),
+                uint16_t{0});
+      std::fill(std::begin(state.root_second_moment),
+                std::end(state.root_second_moment),
+                uint16_t{0});
+    }
   }
 }
 

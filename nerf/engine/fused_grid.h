@@ -70,6 +70,9 @@ class FusedGrid {
   void SetParameters(const std::vector<float>& parameters);
   std::vector<float> Gradients() const;
 
+  // Lets the optimiser start anew.
+  void ClearMoments();
+
  private:
   struct TileGradient;
   struct Level;

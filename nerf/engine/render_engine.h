@@ -104,6 +104,15 @@ class RenderEngine {
   virtual FieldParameters Parameters() const = 0;
   virtual void SetParameters(const FieldParameters& parameters) = 0;
 
+  // The parameters as they are trained, whatever weight their level has, and
+  // going back to them: the optimiser's moments and the density cache then
+  // start anew.
+  virtual FieldParameters MasterParameters() const = 0;
+  virtual void Restore(const FieldParameters& parameters) = 0;
+
+  // Starts over as a new engine with this seed for the parameters would.
+  virtual void Restart(int seed) = 0;
+
   // The gradient accumulated so far.
   virtual FieldParameters Gradients() const = 0;
 

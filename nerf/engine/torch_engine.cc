@@ -257,9 +257,13 @@ class TorchEngine : public RenderEngine {
   }
 
   FieldParameters Parameters() const override {
-    FieldParameters parameters = {CopyValues(grid_), CopyValues(network_)};
+    FieldParameters parameters = MasterParameters();
     ApplyLevelWeights(layout_, level_weights_, &parameters.grid);
     return parameters;
+  }
+
+  FieldParameters MasterParameters() const override {
+    return {CopyValues(grid_), CopyValues(network_)};
   }
 
   void SetParameters(const FieldParameters& parameters) override {
@@ -268,6 +272,22 @@ class TorchEngine : public RenderEngine {
                 .view({-1, kGridFeatures})
                 .requires_grad_(true);
     network_ = MakeTensor(parameters.network).requires_grad_(true);
+  }
+
+  void Restore(const FieldParameters& parameters) override {
+    SetParameters(parameters);
+    for (Moments* moments : {&grid_moments_, &network_moments_}) {
+      moments->first.zero_();
+      moments->second.zero_();
+    }
+    num_updates_ = 0;
+    cache_ = DensityCache(options_.sampling.cache_resolution,
+                          options_.extent,
+                          options_.initial_density);
+  }
+
+  void Restart(const int seed) override {
+    Restore(InitialParameters(layout_, options_.initial_density, seed));
   }
 
   FieldParameters Gradients() const override {

@@ -1,5 +1,6 @@
 #include "nerf/train/trainer.h"
 
+#include "nerf/train/training_guards.h"
 #include "nerf/util/random.h"
 
 #include <algorithm>
@@ -61,8 +62,7 @@ TrainingSummary Trainer::Run(Progress* progress, PreviewRenderer* previews) {
 
   TrainingSummary summary;
   summary.num_parameters = engine_->Layout().NumParameters();
-  int& num_skipped_steps = summary.guard_counts["non_finite_gradient"];
-  int& num_bad_losses = summary.guard_counts["non_finite_loss"];
+  TrainingGuards guards(objective_, options_, engine_);
   auto begin = std::chrono::steady_clock::now();
   double mean_loss = -1;
   double psnr = -1;
@@ -79,7 +79,7 @@ TrainingSummary Trainer::Run(Progress* progress, PreviewRenderer* previews) {
       update.fraction = static_cast<double>(step) / training.num_steps;
       if (step > 0) {
         update.seconds_left =
-            Seconds(begin) / step * (training.num_steps - step);
+            Seconds(begin) / summary.num_steps * (training.num_steps - step);
       }
       if (update.fraction >= next_psnr) {
         psnr = HeldOutPsnr();
@@ -101,23 +101,25 @@ TrainingSummary Trainer::Run(Progress* progress, PreviewRenderer* previews) {
     }
     if (std::isfinite(loss)) {
       mean_loss = mean_loss < 0 ? loss : 0.98 * mean_loss + 0.02 * loss;
-    } else {
-      ++num_bad_losses;
     }
-    const float decay = static_cast<float>(
+    const double decay =
+        guards.LearningRateFactor() *
         std::pow(training.final_learning_rate_factor,
-                 static_cast<double>(step) / training.num_steps));
-    if (!engine_->Update(
-            decay * static_cast<float>(training.grid_learning_rate),
-            decay * static_cast<float>(training.network_learning_rate))) {
-      ++num_skipped_steps;
-    }
+                 static_cast<double>(step) / training.num_steps);
+    const bool is_finite = engine_->Update(
+        static_cast<float>(decay * training.grid_learning_rate),
+        static_cast<float>(decay * training.network_learning_rate));
     if ((step + 1) % options_.sampling.cache_interval == 0) {
       engine_->RefreshDensityCache(
           static_cast<float>(options_.sampling.cache_decay));
     }
     ++summary.num_steps;
+    if (!guards.EndStep(step, loss, is_finite)) {
+      step = -1;
+      mean_loss = -1;
+    }
   }
+  summary.guard_counts = guards.Counts();
   summary.final_loss = mean_loss;
   summary.held_out_psnr = HeldOutPsnr();
   summary.seconds = Seconds(begin);

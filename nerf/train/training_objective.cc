@@ -210,12 +210,16 @@ class TrainingObjective::Tile : public TileObjective {
                                     d_depth.data(),
                                     num_valid.data());
     double sum = 0;
+    size_t num_compared = 0;
     for (int ray = 0; ray < rays_->num_rays; ++ray) {
       if (num_valid[ray] > 0) {
         sum += loss[ray];
         gradients->d_depth[ray] += weight * d_depth[ray];
+        ++num_compared;
       }
     }
+    objective_.num_drawn_patches_ += rays_->num_rays;
+    objective_.num_compared_patches_ += num_compared;
     (*losses)[static_cast<size_t>(LossTerm::kPatch)] += weight * sum;
   }
 
@@ -322,6 +326,10 @@ bool TrainingObjective::IsHeldOut(const int col, const int row) const {
 
 std::unique_ptr<TileObjective> TrainingObjective::MakeTileObjective() const {
   return std::make_unique<Tile>(*this);
+}
+
+PatchCounts TrainingObjective::CountPatches() const {
+  return {num_drawn_patches_, num_compared_patches_};
 }
 
 float TrainingObjective::SparseWeight(const int step) const {

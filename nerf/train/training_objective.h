@@ -7,10 +7,18 @@
 #include "nerf/scene_frame.h"
 #include "nerf/train/training_views.h"
 
+#include <atomic>
+#include <cstddef>
 #include <memory>
 #include <vector>
 
 namespace structnerf {
+
+// Patches of rays, and how many of them were seen by a source view.
+struct PatchCounts {
+  size_t drawn = 0;
+  size_t compared = 0;
+};
 
 // The StructNeRF objective (paper, eq. 14-15) on a scene: which pixels are
 // drawn and what their rays are worth. Every ray carries colour, patch
@@ -39,6 +47,9 @@ class TrainingObjective {
 
   // One thread's view of this objective, which must outlive it.
   std::unique_ptr<TileObjective> MakeTileObjective() const;
+
+  // By all tiles since construction.
+  PatchCounts CountPatches() const;
 
  private:
   class Tile;
@@ -79,6 +90,9 @@ class TrainingObjective {
     std::vector<float> depth;
   };
   std::vector<PriorImage> priors_;
+
+  mutable std::atomic<size_t> num_drawn_patches_ = 0;
+  mutable std::atomic<size_t> num_compared_patches_ = 0;
 };
 
 }  // namespace structnerf

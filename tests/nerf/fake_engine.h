@@ -20,6 +20,8 @@ class FakeEngine : public RenderEngine {
       [](const RayTile&, int) { return 0.0f; };
 
   Eigen::Vector3f color = Eigen::Vector3f::Zero();
+  float opacity = 1;
+  FieldParameters parameters;
 
   // What Accumulate() and Update() return, by step.
   std::function<double(int step)> loss = [](int) { return 1.0; };
@@ -29,6 +31,8 @@ class FakeEngine : public RenderEngine {
   std::vector<float> grid_learning_rates;
   std::vector<float> network_learning_rates;
   std::vector<int> refresh_steps;  // number of updates before each refresh
+  std::vector<int> restore_steps;  // likewise
+  std::vector<int> restart_seeds;
   size_t num_rendered_rays = 0;
   size_t num_rendered_tiles = 0;
 
@@ -73,7 +77,7 @@ class FakeEngine : public RenderEngine {
         output.depth[ray] = depth(tiles[tile], ray);
         const float std = relative_std(tiles[tile], ray) * output.depth[ray];
         output.depth_variance[ray] = std * std;
-        output.opacity[ray] = 1;
+        output.opacity[ray] = opacity;
         if (with_color) {
           for (int c = 0; c < 3; ++c) {
             output.color[c][ray] = color[c];
@@ -83,8 +87,19 @@ class FakeEngine : public RenderEngine {
     }
   }
 
-  FieldParameters Parameters() const override { return {}; }
-  void SetParameters(const FieldParameters&) override {}
+  FieldParameters Parameters() const override { return parameters; }
+  void SetParameters(const FieldParameters& values) override {
+    parameters = values;
+  }
+  FieldParameters MasterParameters() const override { return parameters; }
+  void Restore(const FieldParameters& values) override {
+    parameters = values;
+    restore_steps.push_back(static_cast<int>(grid_learning_rates.size()));
+  }
+  void Restart(const int seed) override {
+    parameters = {};
+    restart_seeds.push_back(seed);
+  }
   FieldParameters Gradients() const override { return {}; }
   int NumThreads() const override { return 1; }
 

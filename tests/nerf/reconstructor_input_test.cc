@@ -191,10 +191,55 @@ TEST(Reconstructor, NoiseGivesFiniteMaps) {
     }
   }
   ReconstructionOptions options = TinyOptions();
-  // As wild as options allow.
+  ExpectFinite(TrainAndRender(scene, options));
+  // As wild as options allow: nothing but an empty field comes of it.
   options.training.grid_learning_rate = 1000;
   options.training.network_learning_rate = 1000;
+  try {
+    TrainAndRender(scene, options);
+    ADD_FAILURE() << "nothing was thrown";
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("lower grid_learning_rate"));
+  }
+}
+
+TEST(Reconstructor, CamerasInOnePlaceAreRefused) {
+  Scene scene = MakeWallScene();
+  for (View& view : scene.views) {
+    view.cam_from_world_translation.setZero();
+  }
+  ExpectRefused(scene, TinyOptions(), "all cameras stand in one place");
+}
+
+TEST(Reconstructor, ImagesSmallerThanAPatchAreRefused) {
+  Scene scene = MakeWallScene();
+  for (View& view : scene.views) {
+    view.image = PlainImage(1, 1, 90);
+  }
+  ReconstructionOptions options = TinyOptions();
+  options.training.num_steps = 400;
+  try {
+    TrainAndRender(scene, options);
+    ADD_FAILURE() << "nothing was thrown";
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("raise max_image_size"));
+  }
+  options.loss.patch_weight = 0;
   ExpectFinite(TrainAndRender(scene, options));
+}
+
+// What acted, and what is odd about the scene, is one list.
+TEST(Reconstructor, GuardsAreInTheSummary) {
+  Scene scene = MakeWallScene();
+  for (SparsePoint& point : scene.points) {
+    point.track.pop_back();
+  }
+  Reconstructor reconstructor(scene, TinyOptions());
+  Progress progress;
+  reconstructor.Train(&progress);
+  const auto& counts = reconstructor.Summary().guard_counts;
+  EXPECT_EQ(counts.at("view_without_points"), 1);
+  EXPECT_EQ(counts.at("non_finite_gradient"), 0);
 }
 
 TEST(Reconstructor, ExtremeOptionsGiveFiniteMaps) {

@@ -96,6 +96,38 @@ TEST_P(FusedEngineTest, RendersAsTheOracleDoes) {
   }
 }
 
+// Neither moments nor the density cache nor the weights of levels are left.
+TEST_P(FusedEngineTest, RestoredOrRestartedEnginesAreLikeNewOnes) {
+  EngineOptions options = MakeOptions();
+  for (const bool is_fused : {true, false}) {
+    const auto make_engine = [&] {
+      return is_fused ? MakeFusedEngine(options)
+                      : MakeTorchEngine(options, TorchPrecision::kFloat);
+    };
+    const auto used = make_engine();
+    const FieldParameters initial = used->MasterParameters();
+    FieldParameters parameters;
+    const auto losses = Train(4, used.get(), &parameters);
+    StepParameters step = MakeStep(4);
+    step.level_weights.assign(used->Layout().levels.size(), 0.0f);
+    used->Accumulate(step, RandomObjectives(*used, 3, kTileRays));
+    used->Update(0.0f, 0.0f);
+    EXPECT_EQ(used->Parameters().grid[0], 0);
+    EXPECT_EQ(used->MasterParameters().grid, parameters.grid);
+
+    FieldParameters again;
+    used->Restore(initial);
+    EXPECT_EQ(Train(4, used.get(), &again), losses);
+    EXPECT_EQ(again.grid, parameters.grid);
+    EXPECT_EQ(again.network, parameters.network);
+
+    used->Restart(options.seed + 1);
+    EXPECT_NE(used->MasterParameters().grid, initial.grid);
+    used->Restart(options.seed);
+    EXPECT_EQ(Train(4, used.get(), &again), losses);
+  }
+}
+
 // Both take the same steps, up to the rounding of table and moments.
 TEST_P(FusedEngineTest, TrainsAsTheOracleDoes) {
   const EngineOptions options = MakeOptions();

@@ -1,5 +1,6 @@
 #include "nerf/train/trainer.h"
 
+#include "nerf/train/training_guards.h"
 #include "tests/nerf/fake_engine.h"
 #include "tests/nerf/plane_scene.h"
 
@@ -205,6 +206,39 @@ TEST_F(TrainerTest, GuardsAreCounted) {
   EXPECT_EQ(summary.guard_counts.at("non_finite_loss"), 1);
   // The mean is not spoilt for the rest of the run.
   EXPECT_NEAR(summary.final_loss, 2, 1e-6);
+}
+
+TEST_F(TrainerTest, RestoredSnapshotHalvesTheLearningRates) {
+  options_.training.final_learning_rate_factor = 1;
+  engine_.is_finite = [](const int update) {
+    return update < 20 || update >= 20 + TrainingGuards::kMaxBadSteps;
+  };
+  const TrainingSummary summary = Run();
+  EXPECT_EQ(summary.num_steps, 200);
+  EXPECT_EQ(summary.guard_counts.at("restored_snapshot"), 1);
+  EXPECT_THAT(engine_.restore_steps,
+              ElementsAre(20 + TrainingGuards::kMaxBadSteps));
+  EXPECT_EQ(engine_.grid_learning_rates[199],
+            0.5f * engine_.grid_learning_rates[0]);
+  EXPECT_EQ(engine_.network_learning_rates[199],
+            0.5f * engine_.network_learning_rates[0]);
+}
+
+TEST_F(TrainerTest, DeadFieldStartsOver) {
+  engine_.opacity = 0;
+  engine_.loss = [&](const int step) {
+    if (step == 0 && !engine_.restart_seeds.empty()) {
+      engine_.opacity = 1;
+    }
+    return engine_.restart_seeds.empty() ? 9.0 : 1.0;
+  };
+  const TrainingSummary summary = Run();
+  EXPECT_EQ(summary.guard_counts.at("restarted_dead_field"), 1);
+  EXPECT_EQ(summary.num_steps, 20 + 200);
+  ASSERT_EQ(engine_.steps.size(), 220u);
+  EXPECT_EQ(engine_.steps[20].step, 0);
+  EXPECT_EQ(engine_.steps.back().step, 199);
+  EXPECT_NEAR(summary.final_loss, 1, 1e-6);
 }
 
 TEST_F(TrainerTest, HeldOutPsnr) {
