@@ -8,6 +8,8 @@ bool Progress::ShouldStop() { return false; }
 
 bool Progress::ShouldAbort() { return false; }
 
+bool Progress::ShouldSave() { return false; }
+
 void Progress::BlockWhilePaused() {}
 
 int Progress::PreviewViewIdx() { return -1; }

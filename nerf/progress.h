@@ -33,6 +33,10 @@ class Progress {
   // Aborted.
   virtual bool ShouldAbort();
 
+  // Asked of work that aborts: whether it shall save what it has done, if it
+  // can go on from there another time.
+  virtual bool ShouldSave();
+
   // Called as often; returns when the work may go on.
   virtual void BlockWhilePaused();
 

@@ -8,6 +8,7 @@
 #include "nerf/scene_frame.h"
 #include "nerf/scene_guards.h"
 #include "nerf/stereo/depth_refinement.h"
+#include "nerf/train/checkpoint.h"
 #include "nerf/train/trainer.h"
 #include "nerf/train/training_objective.h"
 #include "nerf/view_selection.h"
@@ -160,7 +161,9 @@ const std::vector<std::string>& Reconstructor::Warnings() const {
   return impl_->findings.warnings;
 }
 
-void Reconstructor::Train(Progress* progress) {
+void Reconstructor::Train(Progress* progress,
+                          const CheckpointOptions& checkpoint_options) {
+  Checkpoints checkpoints(checkpoint_options, impl_->scene);
   Trainer trainer(*impl_->objective,
                   impl_->test_view_idxs,
                   impl_->options,
@@ -169,7 +172,7 @@ void Reconstructor::Train(Progress* progress) {
                            impl_->frame,
                            impl_->objective->Views(),
                            impl_->engine.get());
-  impl_->summary = trainer.Run(progress, &previews);
+  impl_->summary = trainer.Run(progress, &previews, &checkpoints);
   impl_->summary.guard_counts.insert(impl_->findings.counts.begin(),
                                      impl_->findings.counts.end());
   // What is rendered from now on is exactly what SaveField would save, though

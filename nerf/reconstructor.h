@@ -1,5 +1,6 @@
 #pragma once
 
+#include "nerf/checkpoint_options.h"
 #include "nerf/dense_maps.h"
 #include "nerf/options.h"
 #include "nerf/progress.h"
@@ -16,6 +17,7 @@ namespace structnerf {
 // What training did, for the report.
 struct TrainingSummary {
   int num_steps = 0;           // done
+  int num_resumed_steps = 0;   // of these, done before it was interrupted
   bool stopped_early = false;  // asked to by Progress
   double final_loss = -1;
   double held_out_psnr = -1;  // dB; -1 = no pixel was held out
@@ -48,8 +50,10 @@ class Reconstructor {
   const std::vector<std::string>& Warnings() const;
 
   // Trains until the options' steps are done or `progress` asks to stop.
-  // Throws Aborted if told to abort.
-  void Train(Progress* progress);
+  // Throws Aborted if told to abort. Goes on from a checkpoint if there is one,
+  // to the same result, and writes new ones. Throws CheckpointMismatch if it is
+  // one of another run or scene.
+  void Train(Progress* progress, const CheckpointOptions& checkpoints = {});
 
   // Depth and normals of one view from what has been learned so far.
   DenseMaps RenderView(size_t view_idx, Progress* progress) const;

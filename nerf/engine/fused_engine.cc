@@ -212,6 +212,29 @@ class FusedEngine : public RenderEngine {
     Restore(InitialParameters(layout_, options_.initial_density, seed));
   }
 
+  void SaveState(StateWriter* writer) const override {
+    SaveHead(layout_, level_weights_, num_updates_, writer);
+    grid_.SaveState(writer);
+    for (const AlignedBuffer<float>* buffer : {&network_values_,
+                                               &network_first_moment_,
+                                               &network_root_second_moment_}) {
+      writer->Write(buffer->data(), buffer->size() * sizeof(float));
+    }
+    cache_.SaveState(writer);
+  }
+
+  void LoadState(StateReader* reader) override {
+    LoadHead(layout_, reader, &level_weights_, &num_updates_);
+    grid_.LoadState(reader);
+    for (AlignedBuffer<float>* buffer : {&network_values_,
+                                         &network_first_moment_,
+                                         &network_root_second_moment_}) {
+      reader->Read(buffer->data(), buffer->size() * sizeof(float));
+    }
+    network_.SetParameters(network_values_.data());
+    cache_.LoadState(reader);
+  }
+
   FieldParameters Gradients() const override {
     FieldParameters gradients;
     gradients.grid = grid_.Gradients();

@@ -323,4 +323,19 @@ std::vector<float> FusedGrid::Gradients() const {
   return gradients;
 }
 
+void FusedGrid::SaveState(StateWriter* writer) const {
+  for (const Level& level : levels_) {
+    writer->Write(level.state.data(),
+                  level.state.size() * sizeof(GridEntryState));
+  }
+}
+
+void FusedGrid::LoadState(StateReader* reader) {
+  for (Level& level : levels_) {
+    reader->Read(level.state.data(),
+                 level.state.size() * sizeof(GridEntryState));
+  }
+  SetParameters(Parameters());  // the tables
+}
+
 }  // namespace structnerf

@@ -5,6 +5,7 @@
 #include "nerf/kernels/adam.h"
 #include "nerf/kernels/grid_gradient.h"
 #include "nerf/util/aligned_buffer.h"
+#include "nerf/util/state_stream.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -72,6 +73,10 @@ class FusedGrid {
 
   // Lets the optimiser start anew.
   void ClearMoments();
+
+  // Parameters and moments, as they are stored.
+  void SaveState(StateWriter* writer) const;
+  void LoadState(StateReader* reader);
 
  private:
   struct TileGradient;

@@ -1,6 +1,7 @@
 #include "nerf/engine/render_engine.h"
 
 #include <algorithm>
+#include <stdexcept>
 
 namespace structnerf {
 namespace {
@@ -34,6 +35,32 @@ void RenderEngine::ApplyLevelWeights(const FieldLayout& layout,
         begin + layout.levels[level].num_entries * kGridFeatures,
         begin,
         [&](const float feature) { return feature * level_weights[level]; });
+  }
+}
+
+void RenderEngine::SaveHead(const FieldLayout& layout,
+                            const std::vector<float>& level_weights,
+                            const int num_updates,
+                            StateWriter* writer) {
+  writer->WriteValue(static_cast<uint64_t>(layout.num_grid_entries));
+  writer->WriteValue(static_cast<uint64_t>(layout.num_network_parameters));
+  writer->WriteArray(level_weights);
+  writer->WriteValue(num_updates);
+}
+
+void RenderEngine::LoadHead(const FieldLayout& layout,
+                            StateReader* reader,
+                            std::vector<float>* level_weights,
+                            int* num_updates) {
+  const auto num_grid_entries = reader->ReadValue<uint64_t>();
+  const auto num_network_parameters = reader->ReadValue<uint64_t>();
+  *level_weights = reader->ReadArray<std::vector<float>>();
+  *num_updates = reader->ReadValue<int>();
+  if (num_grid_entries != layout.num_grid_entries ||
+      num_network_parameters != layout.num_network_parameters ||
+      (!level_weights->empty() &&
+       level_weights->size() != layout.levels.size())) {
+    throw std::runtime_error("the state is that of a field of another size");
   }
 }
 

@@ -5,6 +5,7 @@
 #include "nerf/field/field_layout.h"
 #include "nerf/options.h"
 #include "nerf/progress.h"
+#include "nerf/util/state_stream.h"
 
 #include <array>
 #include <cstddef>
@@ -113,6 +114,14 @@ class RenderEngine {
   // Starts over as a new engine with this seed for the parameters would.
   virtual void Restart(int seed) = 0;
 
+  // Everything that later steps depend on, unrounded: parameters, moments,
+  // density cache, counts. To be called between Update() and Accumulate(). An
+  // engine of the same options that loads it goes on to the very same numbers,
+  // on any number of threads. LoadState throws std::runtime_error if the state
+  // is that of another layout.
+  virtual void SaveState(StateWriter* writer) const = 0;
+  virtual void LoadState(StateReader* reader) = 0;
+
   // The gradient accumulated so far.
   virtual FieldParameters Gradients() const = 0;
 
@@ -130,6 +139,17 @@ class RenderEngine {
   static void ApplyLevelWeights(const FieldLayout& layout,
                                 const std::vector<float>& level_weights,
                                 std::vector<float>* grid);
+
+  // The part of a state that all implementations have. Reading throws
+  // std::runtime_error if it is not that of `layout`.
+  static void SaveHead(const FieldLayout& layout,
+                       const std::vector<float>& level_weights,
+                       int num_updates,
+                       StateWriter* writer);
+  static void LoadHead(const FieldLayout& layout,
+                       StateReader* reader,
+                       std::vector<float>* level_weights,
+                       int* num_updates);
 };
 
 // What every implementation is built from.

@@ -290,6 +290,22 @@ class TorchEngine : public RenderEngine {
     Restore(InitialParameters(layout_, options_.initial_density, seed));
   }
 
+  void SaveState(StateWriter* writer) const override {
+    SaveHead(layout_, level_weights_, num_updates_, writer);
+    for (const torch::Tensor& tensor : StateTensors()) {
+      writer->Write(tensor.data_ptr(), tensor.nbytes());
+    }
+    cache_.SaveState(writer);
+  }
+
+  void LoadState(StateReader* reader) override {
+    LoadHead(layout_, reader, &level_weights_, &num_updates_);
+    for (const torch::Tensor& tensor : StateTensors()) {
+      reader->Read(tensor.data_ptr(), tensor.nbytes());
+    }
+    cache_.LoadState(reader);
+  }
+
   FieldParameters Gradients() const override {
     const auto gradient = [](const torch::Tensor& values) {
       return CopyValues(values.grad().defined() ? values.grad()
@@ -380,6 +396,15 @@ class TorchEngine : public RenderEngine {
     copy(rendered.composite.depth, &outputs->depth);
     copy(rendered.composite.variance, &outputs->depth_variance);
     copy(rendered.composite.opacity, &outputs->opacity);
+  }
+
+  std::vector<torch::Tensor> StateTensors() const {
+    return {grid_,
+            network_,
+            grid_moments_.first,
+            grid_moments_.second,
+            network_moments_.first,
+            network_moments_.second};
   }
 
   const EngineOptions options_;

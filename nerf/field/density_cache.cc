@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <stdexcept>
+#include <utility>
 
 namespace structnerf {
 namespace {
@@ -118,6 +120,21 @@ void DensityCache::Observe(const float* x,
         log_density[i],
         decay);
   }
+}
+
+void DensityCache::SaveState(StateWriter* writer) const {
+  writer->WriteValue(static_cast<uint64_t>(next_visit_));
+  writer->WriteArray(cells_);
+}
+
+void DensityCache::LoadState(StateReader* reader) {
+  const auto next_visit = reader->ReadValue<uint64_t>();
+  auto cells = reader->ReadArray<std::vector<uint8_t>>();
+  if (cells.size() != cells_.size()) {
+    throw std::runtime_error("the state has a density cache of another size");
+  }
+  next_visit_ = static_cast<size_t>(next_visit);
+  cells_ = std::move(cells);
 }
 
 void DensityCache::ObserveCell(const size_t index,

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "nerf/util/state_stream.h"
+
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -79,6 +81,11 @@ class DensityCache {
                const float* log_density,
                size_t count,
                float decay);
+
+  // All that changes. LoadState throws std::runtime_error if the state is that
+  // of another number of cells.
+  void SaveState(StateWriter* writer) const;
+  void LoadState(StateReader* reader);
 
  private:
   // Calls visit(i, x, y, z) with the i-th visit's cell, i < count.

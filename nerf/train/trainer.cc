@@ -53,40 +53,56 @@ StepParameters Trainer::MakeStep(const int step) const {
   return parameters;
 }
 
-TrainingSummary Trainer::Run(Progress* progress, PreviewRenderer* previews) {
+TrainingSummary Trainer::Run(Progress* progress,
+                             PreviewRenderer* previews,
+                             Checkpoints* checkpoints) {
   const TrainingOptions& training = options_.training;
   std::vector<std::unique_ptr<TileObjective>> tile_objectives;
   for (int i = 0; i < engine_->NumThreads(); ++i) {
     tile_objectives.push_back(objective_.MakeTileObjective());
   }
 
-  TrainingSummary summary;
-  summary.num_parameters = engine_->Layout().NumParameters();
+  TrainingState state;
+  state.next_psnr = kPsnrInterval;
   TrainingGuards guards(objective_, options_, engine_);
+  checkpoints->Load(engine_, &guards, &state);
+  TrainingSummary& summary = state.summary;
+  summary.num_parameters = engine_->Layout().NumParameters();
+  summary.num_resumed_steps = summary.num_steps;
+  const double resumed_seconds = summary.seconds;
   auto begin = std::chrono::steady_clock::now();
-  double mean_loss = -1;
-  double psnr = -1;
-  double next_psnr = kPsnrInterval;
-  for (int step = 0; step < training.num_steps; ++step) {
-    begin += PauseOrAbort(progress);
+  double& mean_loss = state.mean_loss;
+  int& step = state.step;
+  for (; step < training.num_steps && !state.is_complete; ++step) {
+    summary.seconds = resumed_seconds + Seconds(begin);
+    try {
+      begin += PauseOrAbort(progress);
+    } catch (const Aborted&) {
+      if (progress->ShouldSave()) {
+        checkpoints->Save(*engine_, guards, state);
+      }
+      throw;
+    }
     if (progress->ShouldStop()) {
       summary.stopped_early = true;
       break;
     }
+    checkpoints->SaveIfDue(*engine_, guards, state);
     if (step % kReportInterval == 0) {
       ProgressUpdate update;
       update.stage = "Training";
       update.fraction = static_cast<double>(step) / training.num_steps;
-      if (step > 0) {
-        update.seconds_left =
-            Seconds(begin) / summary.num_steps * (training.num_steps - step);
+      if (summary.num_steps > summary.num_resumed_steps) {
+        update.seconds_left = Seconds(begin) /
+                              (summary.num_steps - summary.num_resumed_steps) *
+                              (training.num_steps - step);
       }
-      if (update.fraction >= next_psnr) {
-        psnr = HeldOutPsnr();
-        next_psnr += kPsnrInterval;
+      if (update.fraction >= state.next_psnr) {
+        state.held_out_psnr = HeldOutPsnr();
+        state.next_psnr += kPsnrInterval;
       }
       update.loss = mean_loss;
-      update.held_out_psnr = psnr;
+      update.held_out_psnr = state.held_out_psnr;
       progress->Report(update);
     }
 
@@ -119,10 +135,14 @@ TrainingSummary Trainer::Run(Progress* progress, PreviewRenderer* previews) {
       mean_loss = -1;
     }
   }
+  if (!state.is_complete) {
+    summary.seconds = resumed_seconds + Seconds(begin);
+    state.is_complete = true;
+    checkpoints->Save(*engine_, guards, state);
+  }
   summary.guard_counts = guards.Counts();
   summary.final_loss = mean_loss;
   summary.held_out_psnr = HeldOutPsnr();
-  summary.seconds = Seconds(begin);
   summary.num_rays = static_cast<size_t>(summary.num_steps) *
                      objective_.NumTiles() * kMaxTileRays;
   summary.num_samples = summary.num_rays * options_.sampling.num_samples;

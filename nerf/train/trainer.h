@@ -7,6 +7,7 @@
 #include "nerf/reconstructor.h"
 #include "nerf/scene.h"
 #include "nerf/scene_frame.h"
+#include "nerf/train/checkpoint.h"
 #include "nerf/train/training_objective.h"
 
 #include <vector>
@@ -25,7 +26,9 @@ class Trainer {
 
   // Throws Aborted if told to abort. Time in which it is paused does not count.
   // `previews` serves those who watch; null = nobody does.
-  TrainingSummary Run(Progress* progress, PreviewRenderer* previews);
+  TrainingSummary Run(Progress* progress,
+                      PreviewRenderer* previews,
+                      Checkpoints* checkpoints);
 
  private:
   StepParameters MakeStep(int step) const;

@@ -74,6 +74,39 @@ bool TrainingGuards::EndStep(const int step,
   return false;
 }
 
+void TrainingGuards::SaveState(StateWriter* writer) const {
+  writer->WriteValue(learning_rate_factor_);
+  writer->WriteArray(snapshot_.grid);
+  writer->WriteArray(snapshot_.network);
+  writer->WriteValue(num_bad_steps_);
+  writer->WriteValue(num_steps_without_patch_);
+  writer->WriteValue(static_cast<uint64_t>(counts_.size()));
+  for (const auto& [name, count] : counts_) {
+    writer->WriteArray(name);
+    writer->WriteValue(count);
+  }
+}
+
+void TrainingGuards::LoadState(StateReader* reader) {
+  learning_rate_factor_ = reader->ReadValue<double>();
+  FieldParameters snapshot;
+  snapshot.grid = reader->ReadArray<std::vector<float>>();
+  snapshot.network = reader->ReadArray<std::vector<float>>();
+  if (snapshot.grid.size() != snapshot_.grid.size() ||
+      snapshot.network.size() != snapshot_.network.size()) {
+    throw std::runtime_error("the state is that of a field of another size");
+  }
+  snapshot_ = std::move(snapshot);
+  num_bad_steps_ = reader->ReadValue<int>();
+  num_steps_without_patch_ = reader->ReadValue<int>();
+  const auto num_counts = reader->ReadValue<uint64_t>();
+  for (uint64_t i = 0; i < num_counts; ++i) {
+    const auto name = reader->ReadArray<std::string>();
+    counts_[name] = reader->ReadValue<int>();
+  }
+  patch_counts_ = objective_.CountPatches();
+}
+
 void TrainingGuards::Restore(const std::string& reason) {
   if (++counts_["restored_snapshot"] > kMaxRestores) {
     std::ostringstream message;

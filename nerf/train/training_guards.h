@@ -3,6 +3,7 @@
 #include "nerf/engine/render_engine.h"
 #include "nerf/options.h"
 #include "nerf/train/training_objective.h"
+#include "nerf/util/state_stream.h"
 
 #include <map>
 #include <string>
@@ -53,6 +54,11 @@ class TrainingGuards {
   // To be called after every step with its loss and what the update said.
   // Returns false if the engine starts over, and the steps must, too.
   bool EndStep(int step, double loss, bool is_update_finite);
+
+  // All that later steps depend on. LoadState throws std::runtime_error if the
+  // state is that of a field of another size.
+  void SaveState(StateWriter* writer) const;
+  void LoadState(StateReader* reader);
 
   // How often each guard acted, by name.
   const std::map<std::string, int>& Counts() const { return counts_; }

@@ -1,6 +1,7 @@
 #include "nerf/util/thread_pool.h"
 
 #include <algorithm>
+#include <system_error>
 
 namespace structnerf {
 
@@ -10,7 +11,11 @@ ThreadPool::ThreadPool(int num_threads) {
         std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   }
   for (int thread = 1; thread < num_threads; ++thread) {
-    workers_.emplace_back([this, thread] { RunWorker(thread); });
+    try {
+      workers_.emplace_back([this, thread] { RunWorker(thread); });
+    } catch (const std::system_error&) {
+      break;  // out of memory or processes; fewer threads do the same
+    }
   }
 }
 

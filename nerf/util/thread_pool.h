@@ -14,7 +14,8 @@ namespace structnerf {
 // machine more than waking up costs us.)
 class ThreadPool {
  public:
-  // -1 = all cores. The calling thread counts as one of them.
+  // -1 = all cores. The calling thread counts as one of them. Has fewer if the
+  // system does not give as many.
   explicit ThreadPool(int num_threads);
   ~ThreadPool();
 

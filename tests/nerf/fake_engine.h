@@ -35,6 +35,7 @@ class FakeEngine : public RenderEngine {
   std::vector<int> restart_seeds;
   size_t num_rendered_rays = 0;
   size_t num_rendered_tiles = 0;
+  size_t num_loaded_updates = 0;
 
   explicit FakeEngine(const int num_levels = 4)
       : layout_(MakeFieldOptions(num_levels), Eigen::Vector3f::Ones()),
@@ -101,6 +102,14 @@ class FakeEngine : public RenderEngine {
     restart_seeds.push_back(seed);
   }
   FieldParameters Gradients() const override { return {}; }
+
+  // Its state is the number of updates.
+  void SaveState(StateWriter* writer) const override {
+    writer->WriteValue(grid_learning_rates.size());
+  }
+  void LoadState(StateReader* reader) override {
+    num_loaded_updates = reader->ReadValue<size_t>();
+  }
   int NumThreads() const override { return 1; }
 
  protected:

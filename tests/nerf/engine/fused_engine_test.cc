@@ -2,6 +2,7 @@
 #include "nerf/engine/torch_engine.h"
 #include "nerf/kernels/half_precision.h"
 #include "tests/nerf/engine/random_scene.h"
+#include "tests/nerf/memory_state.h"
 #include "tests/nerf/simd_targets.h"
 
 #include <cmath>
@@ -185,6 +186,56 @@ TEST(FusedEngine, ResultsDoNotDependOnTheNumberOfThreads) {
       }
     }
   }
+}
+
+// A run that is cut in two gives the very numbers of a run in one piece.
+TEST(FusedEngine, GoesOnFromASavedState) {
+  const auto make_engine = [](const bool is_fused, const int num_threads) {
+    return is_fused ? MakeFusedEngine(MakeOptions(num_threads))
+                    : MakeTorchEngine(MakeOptions(), TorchPrecision::kDouble);
+  };
+  for (const bool is_fused : {true, false}) {
+    SCOPED_TRACE(is_fused);
+    const auto whole = make_engine(is_fused, 2);
+    FieldParameters expected;
+    FieldParameters parameters;
+    Train(5, whole.get(), &parameters);
+    MemoryState state;
+    whole->SaveState(&state);
+    const std::vector<double> expected_losses =
+        Train(4, whole.get(), &expected);
+    // Training has changed all that was saved.
+    MemoryState later_state;
+    whole->SaveState(&later_state);
+    EXPECT_NE(later_state.bytes, state.bytes);
+
+    const auto resumed = make_engine(is_fused, 3);
+    resumed->LoadState(&state);
+    EXPECT_EQ(state.NumBytesLeft(), 0u);
+    EXPECT_EQ(resumed->Parameters().grid, parameters.grid);
+    EXPECT_EQ(Train(4, resumed.get(), &parameters), expected_losses);
+    EXPECT_EQ(parameters.grid, expected.grid);
+    EXPECT_EQ(parameters.network, expected.network);
+    MemoryState resumed_state;
+    resumed->SaveState(&resumed_state);
+    EXPECT_EQ(resumed_state.bytes, later_state.bytes);
+  }
+}
+
+TEST(FusedEngine, RefusesTheStateOfAnotherLayout) {
+  EngineOptions options = MakeOptions();
+  MemoryState state;
+  MakeFusedEngine(options)->SaveState(&state);
+  options.field.log2_table_size = 12;
+  EXPECT_THROW(MakeFusedEngine(options)->LoadState(&state), std::runtime_error);
+  options = MakeOptions();
+  options.sampling.cache_resolution = 33;
+  state.num_read = 0;
+  EXPECT_THROW(MakeFusedEngine(options)->LoadState(&state), std::runtime_error);
+  state.num_read = 0;
+  state.bytes.pop_back();
+  EXPECT_THROW(MakeFusedEngine(MakeOptions())->LoadState(&state),
+               std::runtime_error);
 }
 
 TEST(FusedEngine, AccumulatesUntilTheUpdate) {

@@ -3,6 +3,7 @@
 #include "nerf/train/training_guards.h"
 #include "tests/nerf/fake_engine.h"
 #include "tests/nerf/plane_scene.h"
+#include "tests/support/temp_dir.h"
 
 #include <chrono>
 #include <cmath>
@@ -29,6 +30,7 @@ class RecordingProgress : public Progress {
   bool ShouldStop() override { return num_stop_asked++ >= stop_at; }
   bool ShouldAbort() override { return num_abort_asked++ >= abort_at; }
   void BlockWhilePaused() override { std::this_thread::sleep_for(pause); }
+  bool ShouldSave() override { return should_save; }
 
   std::vector<ProgressUpdate> updates;
   int num_stop_asked = 0;
@@ -36,6 +38,7 @@ class RecordingProgress : public Progress {
   int stop_at = std::numeric_limits<int>::max();
   int abort_at = std::numeric_limits<int>::max();
   std::chrono::milliseconds pause{0};  // before each step
+  bool should_save = false;
 };
 
 class TrainerTest : public testing::Test {
@@ -65,12 +68,14 @@ class TrainerTest : public testing::Test {
                                       {{}, {}, {}},
                                       options_.loss,
                                       options_.training);
+    Checkpoints checkpoints(checkpoint_options_, scene_);
     return Trainer(objective, test_view_idxs, options_, &engine_)
-        .Run(&progress_, /*previews=*/nullptr);
+        .Run(&progress_, /*previews=*/nullptr, &checkpoints);
   }
 
   Scene scene_;
   ReconstructionOptions options_;
+  CheckpointOptions checkpoint_options_;
   FakeEngine engine_;
   RecordingProgress progress_;
 };
@@ -194,6 +199,79 @@ TEST_F(TrainerTest, PausesAreNotCountedAsTraining) {
   for (const ProgressUpdate& update : progress_.updates) {
     EXPECT_LT(update.seconds_left, 0.5);
   }
+}
+
+// Everything of the second run is as if the first had gone on.
+TEST_F(TrainerTest, GoesOnFromACheckpoint) {
+  scene_.views[1].image = PlainImage(16, 12, 102);
+  engine_.color.setConstant(0.3f);
+  engine_.loss = [](const int step) {
+    return step % 90 == 5 ? std::numeric_limits<double>::infinity()
+                          : 1 + 0.01 * step;
+  };
+  engine_.is_finite = [](const int step) { return step % 50 != 7; };
+  const TrainingSummary expected = Run({1});
+
+  const TempDir folder;
+  checkpoint_options_.folder = folder.Path();
+  progress_ = RecordingProgress();
+  progress_.abort_at = 121;
+  progress_.should_save = true;
+  engine_.steps.clear();
+  engine_.grid_learning_rates.clear();
+  EXPECT_THROW(Run({1}), Aborted);
+  progress_ = RecordingProgress();
+  const TrainingSummary summary = Run({1});
+  EXPECT_EQ(engine_.num_loaded_updates, 121u);
+  ASSERT_EQ(engine_.steps.size(), 200u);
+  for (int step = 0; step < 200; ++step) {
+    EXPECT_EQ(engine_.steps[step].step, step);
+  }
+  EXPECT_EQ(summary.num_resumed_steps, 121);
+  EXPECT_EQ(summary.num_steps, expected.num_steps);
+  EXPECT_EQ(summary.num_rays, expected.num_rays);
+  EXPECT_EQ(summary.final_loss, expected.final_loss);
+  EXPECT_EQ(summary.guard_counts, expected.guard_counts);
+  EXPECT_EQ(summary.guard_counts.at("non_finite_gradient"), 4);
+  // The first report after it knows what was known before, but not yet how fast
+  // this process is.
+  EXPECT_EQ(progress_.updates.front().fraction, 130 / 200.0);
+  EXPECT_NEAR(progress_.updates.front().held_out_psnr, 20, 1e-3);
+}
+
+// Maps may have been rendered from it, so nothing is learned after it.
+TEST_F(TrainerTest, TrainingThatHasEndedStaysAsItIs) {
+  const TempDir folder;
+  checkpoint_options_.folder = folder.Path();
+  progress_.stop_at = 37;
+  const TrainingSummary expected = Run();
+  progress_ = RecordingProgress();
+  const TrainingSummary summary = Run();
+  EXPECT_EQ(engine_.steps.size(), 37u);
+  EXPECT_EQ(engine_.num_loaded_updates, 37u);
+  EXPECT_TRUE(summary.stopped_early);
+  EXPECT_EQ(summary.num_steps, 37);
+  EXPECT_EQ(summary.seconds, expected.seconds);
+  EXPECT_EQ(summary.final_loss, expected.final_loss);
+}
+
+TEST_F(TrainerTest, SavesAtTheInterval) {
+  const TempDir folder;
+  checkpoint_options_.folder = folder.Path();
+  checkpoint_options_.interval_seconds = 1e-9;
+  progress_.abort_at = 37;
+  EXPECT_THROW(Run(), Aborted);
+  EXPECT_EQ(FindCheckpoint(checkpoint_options_).num_steps, 36);
+  // Nothing in the following 37 steps is due.
+  checkpoint_options_.interval_seconds = 3600;
+  progress_.num_abort_asked = 0;
+  EXPECT_THROW(Run(), Aborted);
+  EXPECT_EQ(FindCheckpoint(checkpoint_options_).num_steps, 36);
+  // And none is wanted, though what is there is used.
+  checkpoint_options_.interval_seconds = 0;
+  progress_ = RecordingProgress();
+  EXPECT_EQ(Run().num_resumed_steps, 36);
+  EXPECT_EQ(FindCheckpoint(checkpoint_options_).num_steps, 36);
 }
 
 TEST_F(TrainerTest, GuardsAreCounted) {

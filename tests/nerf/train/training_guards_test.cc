@@ -1,6 +1,7 @@
 #include "nerf/train/training_guards.h"
 
 #include "tests/nerf/fake_engine.h"
+#include "tests/nerf/memory_state.h"
 #include "tests/nerf/train/objective_scene.h"
 
 #include <cmath>
@@ -187,6 +188,35 @@ TEST_F(TrainingGuardsTest, StepsWithoutValidPatchAreCountedUpToALimit) {
   }
   Evaluate(too_close);
   ExpectStop([&] { guards.EndStep(0, 1.0, true); }, "patch_weight");
+}
+
+// What has been counted goes on to count after a checkpoint.
+TEST_F(TrainingGuardsTest, GoOnFromASavedState) {
+  TrainingGuards guards = MakeGuards();
+  for (int step = 0; step < TrainingGuards::kMaxBadSteps + 3; ++step) {
+    EXPECT_TRUE(guards.EndStep(step, kNan, true));
+  }
+  MemoryState state;
+  guards.SaveState(&state);
+  const FieldParameters snapshot = engine_.parameters;
+  engine_.parameters = {{7.0f, 8.0f}, {9.0f}};
+  TrainingGuards resumed = MakeGuards();
+  resumed.LoadState(&state);
+  EXPECT_EQ(state.NumBytesLeft(), 0u);
+  EXPECT_EQ(resumed.Counts(), guards.Counts());
+  EXPECT_EQ(resumed.LearningRateFactor(), 0.5);
+  // Three bad steps are known already.
+  const int num_more = TrainingGuards::kMaxBadSteps - 3;
+  for (int step = 0; step < num_more; ++step) {
+    EXPECT_EQ(resumed.Counts().at("restored_snapshot"), 1);
+    EXPECT_TRUE(resumed.EndStep(30 + step, kNan, true));
+  }
+  EXPECT_EQ(resumed.Counts().at("restored_snapshot"), 2);
+  EXPECT_EQ(engine_.parameters.grid, snapshot.grid);
+
+  engine_.parameters.grid.push_back(0.0f);
+  state.num_read = 0;
+  EXPECT_THROW(MakeGuards().LoadState(&state), std::runtime_error);
 }
 
 }  // namespace
