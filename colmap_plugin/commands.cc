@@ -9,6 +9,7 @@
 #include "colmap_plugin/stock_colmap.h"
 #include "colmap_plugin/structnerf_controller.h"
 #include "colmap_plugin/terminal_progress.h"
+#include "nerf/methods.h"
 
 #include <cstdlib>
 #include <filesystem>
@@ -85,8 +86,10 @@ bool ParseDenseCommand(const std::vector<std::string>& raw_args,
       ExpandCommandLine(raw_args, kProjectKeys, kFlags);
   StructNerfOptions& options = command->options;
   options.quality = FindOption(args, "StructNeRF.quality", options.quality);
+  options.method = FindOption(args, "StructNeRF.method", options.method);
   try {
-    options.reconstruction = QualityPreset(options.quality);
+    options.reconstruction =
+        ApplyMethod(options.method, QualityPreset(options.quality));
   } catch (const std::invalid_argument& error) {
     throw std::runtime_error(std::string("The option --StructNeRF.") +
                              error.what() + ".");

@@ -25,8 +25,9 @@ struct StructNerfOptions {
   // Replace dense results that exist already.
   bool overwrite = false;
 
-  // Quality word that `reconstruction` was made from.
+  // Quality and method (nerf/methods.h) that `reconstruction` was made from.
   std::string quality = "medium";
+  std::string method = "structnerf";
   ReconstructionOptions reconstruction;
 
   // Memory to stay within, in GB; not positive = three quarters of what the

@@ -3,8 +3,10 @@
 #include "nerf/kernels/compositing.h"
 #include "nerf/kernels/ray_sampling.h"
 
+#include <algorithm>
 #include <sstream>
 #include <stdexcept>
+#include <vector>
 
 namespace structnerf {
 namespace {
@@ -19,6 +21,21 @@ class RangeChecker {
       stream << name << " must be between " << low << " and " << high
              << ", but is " << value;
       message_ = stream.str();
+    }
+    return *this;
+  }
+
+  RangeChecker& OneOf(const char* name,
+                      const std::string& value,
+                      const std::vector<std::string>& allowed) {
+    if (message_.empty() &&
+        std::find(allowed.begin(), allowed.end(), value) == allowed.end()) {
+      message_ = std::string(name) + " must be ";
+      for (size_t i = 0; i < allowed.size(); ++i) {
+        const bool is_last = i + 1 == allowed.size();
+        message_ += (i == 0 ? "" : is_last ? " or " : ", ") + allowed[i];
+      }
+      message_ += ", but is \"" + value + "\"";
     }
     return *this;
   }
@@ -74,11 +91,20 @@ bool LossOptions::Check(std::string* error) const {
       .In("patch_ssim_share", patch_ssim_share, 0.0, 1.0)
       .In("patch_radius", patch_radius, 0, 3)
       .In("patch_dilation", patch_dilation, 1, 16)
+      .OneOf("patch_sampling", patch_sampling, {"dense", "keypoints"})
+      .OneOf(
+          "source_selection", source_selection, {"covisibility", "neighbors"})
       .In("num_sources", num_sources, 1, 32)
+      .Require(source_selection != "neighbors" || num_sources >= 2,
+               "num_sources must be at least 2 if source_selection is "
+               "neighbors")
       .In("num_best_sources", num_best_sources, 1, 32)
       .In("planar_weight", planar_weight, 0.0, kAnyWeight)
+      .OneOf("planar_form", planar_form, {"inverse_depth", "triple_product"})
       .In("planar_min_area", planar_min_area, 4, 1 << 30)
       .In("sparse_weight", sparse_weight, 0.0, kAnyWeight)
+      .OneOf("sparse_form", sparse_form, {"line_of_sight", "squared", "kl"})
+      .In("sparse_deviation", sparse_deviation, 1e-4, 10.0)
       .In("sparse_fraction", sparse_fraction, 0.0, 1.0)
       .In("prior_weight", prior_weight, 0.0, kAnyWeight)
       .In("prior_fraction", prior_fraction, 0.0, 1.0)

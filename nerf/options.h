@@ -74,6 +74,14 @@ struct LossOptions {
   int patch_radius = 1;
   int patch_dilation = 2;
 
+  // Where it is evaluated: at "dense" pixels or at "keypoints" only
+  // (nerf/train/keypoints.h), the paper's ablation.
+  std::string patch_sampling = "dense";
+
+  // Which views are sources: by "covisibility", or the "neighbors" in the order
+  // of the model (paper), see nerf/view_selection.h.
+  std::string source_selection = "covisibility";
+
   // Source views per view, and how many of them (those that fit best) count at
   // a pixel. The others are taken to be occluded.
   int num_sources = 8;
@@ -82,12 +90,23 @@ struct LossOptions {
   // Coplanarity of pixels of one superpixel (paper, eq. 11).
   double planar_weight = 0.1;
 
+  // "inverse_depth" (nerf/losses/planar_loss.h) or the paper's "triple_product"
+  // (nerf/losses/triple_product.h), in units of the scene's median depth.
+  std::string planar_form = "inverse_depth";
+
   // Area in pixels of the full-size image above which a superpixel is taken
   // for a plane (paper: 1000 at 0.29 megapixels).
   int planar_min_area = 1000;
 
   // Depth of the sparse points (paper, eq. 12-13).
   double sparse_weight = 1.0;
+
+  // "line_of_sight", "squared" (paper) or "kl", see nerf/losses/sparse_loss.h.
+  std::string sparse_form = "line_of_sight";
+
+  // Standard deviation, relative to its depth, that "kl" gives a point of mean
+  // reprojection error; others in proportion to theirs.
+  double sparse_deviation = 0.02;
 
   // Share of the training after which the sparse term ends (paper: 0.5).
   double sparse_fraction = 0.5;

@@ -81,19 +81,8 @@ class Reconstructor::Impl {
           "test_every leaves fewer than two images to train on");
     }
     sources = SelectSourceViews(scene, options.loss.num_sources);
-    // Held-out views must not guide others.
-    std::vector<std::vector<int>> training_sources = sources;
-    for (std::vector<int>& view_sources : training_sources) {
-      view_sources.erase(std::remove_if(view_sources.begin(),
-                                        view_sources.end(),
-                                        [&](const int source) {
-                                          return std::count(
-                                                     test_view_idxs.begin(),
-                                                     test_view_idxs.end(),
-                                                     source) > 0;
-                                        }),
-                         view_sources.end());
-    }
+    const std::vector<std::vector<int>> training_sources =
+        SelectTrainingSources(sources, options.loss, train_view_idxs);
     findings = InspectScene(scene, sources);
     objective = std::make_unique<TrainingObjective>(scene,
                                                     frame,

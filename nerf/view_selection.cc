@@ -59,6 +59,29 @@ double TypicalDepth(const Scene& scene) {
   return std::max(*middle, 1e-12);
 }
 
+std::vector<std::vector<int>> SelectNeighborViews(
+    const size_t num_views,
+    const std::vector<int>& candidates,
+    const int num_sources) {
+  std::vector<std::vector<int>> sources(num_views);
+  const int num_candidates = static_cast<int>(candidates.size());
+  for (int v = 0; v < static_cast<int>(num_views); ++v) {
+    const auto [first, last] =
+        std::equal_range(candidates.begin(), candidates.end(), v);
+    const int before = static_cast<int>(first - candidates.begin()) - 1;
+    const int after = static_cast<int>(last - candidates.begin());
+    for (int i = 0; i < num_sources / 2; ++i) {
+      if (before - i >= 0) {
+        sources[v].push_back(candidates[before - i]);
+      }
+      if (after + i < num_candidates) {
+        sources[v].push_back(candidates[after + i]);
+      }
+    }
+  }
+  return sources;
+}
+
 }  // namespace
 
 std::vector<std::vector<int>> SelectSourceViews(const Scene& scene,
@@ -115,6 +138,27 @@ std::vector<std::vector<int>> SelectSourceViews(const Scene& scene,
     }
   }
   return sources;
+}
+
+std::vector<std::vector<int>> SelectTrainingSources(
+    const std::vector<std::vector<int>>& sources,
+    const LossOptions& options,
+    const std::vector<int>& train_view_idxs) {
+  if (options.source_selection == "neighbors") {
+    return SelectNeighborViews(
+        sources.size(), train_view_idxs, options.num_sources);
+  }
+  std::vector<std::vector<int>> training_sources = sources;
+  for (std::vector<int>& view_sources : training_sources) {
+    const auto is_held_out = [&](const int source) {
+      return !std::binary_search(
+          train_view_idxs.begin(), train_view_idxs.end(), source);
+    };
+    view_sources.erase(
+        std::remove_if(view_sources.begin(), view_sources.end(), is_held_out),
+        view_sources.end());
+  }
+  return training_sources;
 }
 
 }  // namespace structnerf

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "nerf/options.h"
 #include "nerf/scene.h"
 
 #include <vector>
@@ -14,5 +15,16 @@ namespace structnerf {
 // cameras close by that look the same way. File names play no role.
 std::vector<std::vector<int>> SelectSourceViews(const Scene& scene,
                                                 int num_sources);
+
+// Sources of the patch loss: those of `sources` (as selected above) that are
+// trained on, since held-out views must not guide others; or, if
+// `options.source_selection` says so, the neighbours in the order of the views,
+// as the paper has it for frames of a video: options.num_sources / 2 before and
+// as many after each view, nearest first, where there are so many.
+//   train_view_idxs: ascending.
+std::vector<std::vector<int>> SelectTrainingSources(
+    const std::vector<std::vector<int>>& sources,
+    const LossOptions& options,
+    const std::vector<int>& train_view_idxs);
 
 }  // namespace structnerf

@@ -94,9 +94,7 @@ class FusedEngine : public RenderEngine {
     });
     LossValues losses = {};
     for (size_t i = first; i < num_results_; ++i) {
-      for (size_t term = 0; term < losses.size(); ++term) {
-        losses[term] += results_[i]->losses[term];
-      }
+      AddLosses(results_[i]->losses, &losses);
     }
     return losses;
   }
@@ -280,13 +278,24 @@ class FusedEngine : public RenderEngine {
     tile->Forward(Field(), rays, &random, /*with_color=*/true, &outputs);
     RayGradients gradients;
     result.losses = objective->Evaluate(outputs, &gradients);
+    const float* d_weight = nullptr;
+    if (objective->UsesSamples()) {
+      float* const buffer = tile->ClearedWeightGradient();
+      AddLosses(objective->EvaluateSamples(tile->Samples(), buffer),
+                &result.losses);
+      d_weight = buffer;
+    }
     clock->Stop(EngineStage::kLosses);
 
     std::fill(result.network_gradient.data(),
               result.network_gradient.data() + result.network_gradient.size(),
               0.0f);
-    tile->Backward(
-        Field(), rays, outputs, gradients, result.network_gradient.data());
+    tile->Backward(Field(),
+                   rays,
+                   outputs,
+                   gradients,
+                   d_weight,
+                   result.network_gradient.data());
     grid_.SetTileGradient(result_idx,
                           tile->Position(0),
                           tile->Position(1),

@@ -23,7 +23,7 @@ FusedTile::FusedTile(const FieldLayout& layout,
     position.Allocate(num_samples + 16);
   }
   for (AlignedBuffer<float>* buffer :
-       {&tau_, &transmittance_, &weight_, &z_, &d_weight_color_}) {
+       {&tau_, &transmittance_, &weight_, &z_, &d_weight_color_, &d_weight_}) {
     buffer->Allocate(num_samples);
   }
   active_samples_.Allocate(num_samples);
@@ -115,10 +115,20 @@ void FusedTile::ForwardColor(const FusedField& field,
   }
 }
 
+RaySamples FusedTile::Samples() const {
+  return {sampling_.num_samples, edges_.data(), weight_.data()};
+}
+
+float* FusedTile::ClearedWeightGradient() {
+  std::fill(d_weight_.data(), d_weight_.data() + num_samples_, 0.0f);
+  return d_weight_.data();
+}
+
 void FusedTile::Backward(const FusedField& field,
                          const RayTile& rays,
                          const RayOutputs& outputs,
                          const RayGradients& gradients,
+                         const float* d_weight,
                          float* network_gradient) {
   clock_.Start();
   for (int ray = 0; ray < rays.num_rays; ++ray) {
@@ -138,6 +148,11 @@ void FusedTile::Backward(const FusedField& field,
                          d_ray_color_.data(),
                          d_weight_color_.data(),
                          network_.d_color.data());
+  if (d_weight != nullptr) {
+    for (size_t s = 0; s < num_samples_; ++s) {
+      d_weight_color_[s] += d_weight[s];
+    }
+  }
   CompositeGradients composite_gradients;
   composite_gradients.depth = outputs.depth.data();
   composite_gradients.d_depth = gradients.d_depth.data();

@@ -41,12 +41,20 @@ class FusedTile {
                bool with_color,
                RayOutputs* outputs);
 
+  // Of the rays rendered last.
+  RaySamples Samples() const;
+
+  // A buffer of zeros for further derivatives by the weights of Samples().
+  float* ClearedWeightGradient();
+
   // For the rays rendered last, with colour. Adds the gradient by the network's
   // parameters to `network_gradient`; that by the encoding is in DEncoding().
+  //   d_weight: further derivatives by the weights of Samples(), or null.
   void Backward(const FusedField& field,
                 const RayTile& rays,
                 const RayOutputs& outputs,
                 const RayGradients& gradients,
+                const float* d_weight,
                 float* network_gradient);
 
   // Raw density at points in field coordinates, at most kMaxTileRays *
@@ -91,6 +99,7 @@ class FusedTile {
   AlignedBuffer<float> weight_;
   AlignedBuffer<float> z_;
   AlignedBuffer<float> d_weight_color_;
+  AlignedBuffer<float> d_weight_;  // see ClearedWeightGradient()
 
   // See FusedNetwork::ActiveSamples.
   AlignedBuffer<uint32_t> active_samples_;

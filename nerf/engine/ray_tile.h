@@ -46,4 +46,13 @@ struct RayGradients {
   PerRay<float> pull_z = {};
 };
 
+// How light ends along the rays of a tile, for losses that look at more of a
+// ray than its depth. Arrays are ray-major.
+struct RaySamples {
+  int num_samples = 0;            // n, per ray
+  const float* edges = nullptr;   // rays x (n + 1), z-depth, ascending
+  const float* weight = nullptr;  // rays x n, share of the light that ends in
+                                  // each interval; sums to one
+};
+
 }  // namespace structnerf

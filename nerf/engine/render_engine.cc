@@ -11,6 +11,12 @@ constexpr size_t kRebuildPoints = 4;
 
 }  // namespace
 
+void AddLosses(const LossValues& losses, LossValues* sum) {
+  for (size_t term = 0; term < losses.size(); ++term) {
+    (*sum)[term] += losses[term];
+  }
+}
+
 void RenderEngine::RebuildDensityCache(Progress* progress) {
   MutableCache()->Clear();
   const size_t num_cells = Cache().NumCells();

@@ -19,6 +19,7 @@ namespace structnerf {
 // Terms of the objective, for bookkeeping.
 enum class LossTerm { kColor, kPatch, kPlanar, kSparse, kPrior, kCount };
 using LossValues = std::array<double, static_cast<size_t>(LossTerm::kCount)>;
+void AddLosses(const LossValues& losses, LossValues* sum);
 
 // What is minimised, seen from one thread: draws the rays of a tile and, once
 // they are rendered, gives the loss and its derivatives. What it draws depends
@@ -33,6 +34,18 @@ class TileObjective {
   // returns the weighted loss values that belong to them.
   virtual LossValues Evaluate(const RayOutputs& outputs,
                               RayGradients* gradients) = 0;
+
+  // Whether a term needs the samples of the rays drawn last.
+  virtual bool UsesSamples() const { return false; }
+
+  // Called after Evaluate() if so. Adds derivatives by the samples' weights to
+  // `d_weight` (rays x n, zero at first) and returns the loss values that
+  // belong to them. Weights of a ray sum to one whatever the field, so a
+  // constant per ray makes no difference.
+  virtual LossValues EvaluateSamples(const RaySamples& /*samples*/,
+                                     float* /*d_weight*/) {
+    return {};
+  }
 };
 
 // Parts of a training step, for profiles.

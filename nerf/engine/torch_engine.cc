@@ -121,6 +121,9 @@ class TorchEngine : public RenderEngine {
     // An objective judges the rays it drew last, so they are drawn again.
     LossValues losses = {};
     std::vector<float> gradients[kNumGradients];
+    const std::vector<float> weight = CopyValues(rendered.composite.weight);
+    std::vector<float> d_weight(weight.size(), 0.0f);
+    const int64_t n = sampling_.num_samples;
     int64_t first_ray = 0;
     for (int tile = 0; tile < step.num_tiles; ++tile) {
       RayTile rays;
@@ -128,10 +131,14 @@ class TorchEngine : public RenderEngine {
       RayOutputs outputs;
       CopyOutputs(rendered, first_ray, rays.num_rays, &outputs);
       RayGradients tile_gradients;
-      const LossValues tile_losses =
-          objective.Evaluate(outputs, &tile_gradients);
-      for (size_t term = 0; term < losses.size(); ++term) {
-        losses[term] += tile_losses[term];
+      AddLosses(objective.Evaluate(outputs, &tile_gradients), &losses);
+      if (objective.UsesSamples()) {
+        const RaySamples samples = {sampling_.num_samples,
+                                    batch.edges.data() + first_ray * (n + 1),
+                                    weight.data() + first_ray * n};
+        AddLosses(
+            objective.EvaluateSamples(samples, d_weight.data() + first_ray * n),
+            &losses);
       }
       const PerRay<float>* const columns[kNumGradients] = {
           &tile_gradients.d_color[0],
@@ -155,7 +162,8 @@ class TorchEngine : public RenderEngine {
                        MakeTensor(gradients[6])) +
          MakeTensor(gradients[3]) * rendered.composite.depth +
          MakeTensor(gradients[4]) * rendered.composite.opacity)
-            .sum();
+            .sum() +
+        (MakeTensor(d_weight) * rendered.composite.weight.flatten()).sum();
     for (int c = 0; c < 3; ++c) {
       surrogate =
           surrogate +

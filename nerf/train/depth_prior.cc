@@ -29,8 +29,8 @@ std::vector<std::vector<DepthSample>> CollectDepthSamples(const Scene& scene) {
   std::vector<std::vector<DepthSample>> samples(scene.views.size());
   const double mean_error = MeanError(scene);
   for (const SparsePoint& point : scene.points) {
-    const double ratio =
-        mean_error > 0 && point.error >= 0 ? point.error / mean_error : 0.0;
+    const bool is_known = mean_error > 0 && point.error >= 0;
+    const double ratio = is_known ? point.error / mean_error : 0.0;
     for (const Observation& observation : point.track) {
       const View& view = scene.views[observation.view_idx];
       DepthSample sample;
@@ -38,6 +38,7 @@ std::vector<std::vector<DepthSample>> CollectDepthSamples(const Scene& scene) {
       sample.x = observation.xy.x() * view.image.width / view.camera.width;
       sample.y = observation.xy.y() * view.image.height / view.camera.height;
       sample.depth = DepthInView(view, point.xyz);
+      sample.error_ratio = is_known ? static_cast<float>(ratio) : 1.0f;
       sample.weight = static_cast<float>(std::exp(-ratio * ratio));
       if (!(sample.depth > 0) || sample.x < 0 || sample.y < 0 ||
           sample.x >= view.image.width || sample.y >= view.image.height) {

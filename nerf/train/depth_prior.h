@@ -13,6 +13,10 @@ struct DepthSample {
   double y = 0;
   double depth = 0;  // z-depth, world units, > 0
 
+  // Mean reprojection error e of the point, divided by that of all points; 1 if
+  // no errors are known.
+  float error_ratio = 1;
+
   // exp(-(e / mean e)^2) of the point's mean reprojection error e (paper, eq.
   // 13, which sums e over the track and so distrusts long ones). 1 if no
   // errors are known.

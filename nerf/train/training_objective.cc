@@ -2,6 +2,7 @@
 
 #include "nerf/losses/planar_loss.h"
 #include "nerf/train/depth_prior.h"
+#include "nerf/train/keypoints.h"
 #include "nerf/util/random.h"
 
 #include <algorithm>
@@ -24,6 +25,9 @@ constexpr int kHeldOutStride = 16;
 // Pixels per cell of the interpolated prior.
 constexpr int kPriorCell = 4;
 
+// A point's error counts at least this share of the mean error.
+constexpr float kMinErrorRatio = 0.1f;
+
 // Draws of four pixels until they span a stable triangle.
 constexpr int kMaxPlanarDraws = 4;
 
@@ -44,12 +48,11 @@ struct TrainingObjective::Segment {
   size_t num_pixels = 0;
 };
 
-struct TrainingObjective::SparseTarget {
+struct TrainingObjective::SparseRay {
   int view_idx = -1;
   float x = 0;  // training image
   float y = 0;
-  float depth = 0;  // field units
-  float weight = 0;
+  SparseTarget target;
 };
 
 // One thread's tile: which pixels were drawn and what they are compared with.
@@ -78,6 +81,15 @@ class TrainingObjective::Tile : public TileObjective {
       }
     }
     first_random_ray_ = rays->num_rays;
+    if (objective_.loss_options_.patch_weight > 0 &&
+        !objective_.keypoints_.empty()) {
+      // Half of the random rays, for the patches.
+      const int num_keypoint_rays = (kMaxTileRays - rays->num_rays) / 2;
+      for (int i = 0; i < num_keypoint_rays; ++i) {
+        DrawKeypointRay(&random);
+      }
+    }
+    end_keypoint_ray_ = rays->num_rays;
     while (rays->num_rays < kMaxTileRays) {
       DrawRandomRay(&random);
     }
@@ -89,7 +101,23 @@ class TrainingObjective::Tile : public TileObjective {
     AddColorLoss(outputs, gradients, &losses);
     AddPatchLoss(outputs, gradients, &losses);
     AddPlanarLoss(outputs, gradients, &losses);
-    AddDepthHints(outputs, gradients, &losses);
+    AddSparseLoss(outputs, gradients, &losses);
+    AddPriorLoss(outputs, gradients, &losses);
+    return losses;
+  }
+
+  bool UsesSamples() const override {
+    return objective_.sparse_form_ == SparseForm::kRayTermination &&
+           first_random_ray_ > first_sparse_ray_;
+  }
+
+  LossValues EvaluateSamples(const RaySamples& samples,
+                             float* d_weight) override {
+    LossValues losses = {};
+    for (int ray = first_sparse_ray_; ray < first_random_ray_; ++ray) {
+      losses[static_cast<size_t>(LossTerm::kSparse)] +=
+          EvaluateRayTermination(WeightedTarget(ray), samples, ray, d_weight);
+    }
     return losses;
   }
 
@@ -130,11 +158,16 @@ class TrainingObjective::Tile : public TileObjective {
   }
 
   void DrawSparseRay(Random* random) {
-    const SparseTarget& target = objective_.sparse_targets_[random->NextBelow(
-        static_cast<uint32_t>(objective_.sparse_targets_.size()))];
-    sparse_depth_[rays_->num_rays] = target.depth;
-    sparse_weight_[rays_->num_rays] = target.weight;
-    AddRay(target.view_idx, target.x, target.y);
+    const SparseRay& sparse = objective_.sparse_rays_[random->NextBelow(
+        static_cast<uint32_t>(objective_.sparse_rays_.size()))];
+    sparse_target_[rays_->num_rays] = sparse.target;
+    AddRay(sparse.view_idx, sparse.x, sparse.y);
+  }
+
+  void DrawKeypointRay(Random* random) {
+    const Keypoint& keypoint = objective_.keypoints_[random->NextBelow(
+        static_cast<uint32_t>(objective_.keypoints_.size()))];
+    AddRay(keypoint.view_idx, keypoint.col + 0.5, keypoint.row + 0.5);
   }
 
   void DrawPlanarGroup(Random* random) {
@@ -157,7 +190,9 @@ class TrainingObjective::Tile : public TileObjective {
         x[k] = static_cast<float>(pixel % width) + 0.5f;
         y[k] = static_cast<float>(pixel / width) + 0.5f;
       }
-      if (MakePlanarGroup(x, y, &groups_[num_groups_])) {
+      // Any four pixels will do for the triple product.
+      if (objective_.planar_form_ == PlanarForm::kTripleProduct ||
+          MakePlanarGroup(x, y, &groups_[num_groups_])) {
         ++num_groups_;
         for (int k = 0; k < 4; ++k) {
           AddRay(segment.view_idx, x[k], y[k]);
@@ -195,9 +230,17 @@ class TrainingObjective::Tile : public TileObjective {
     if (objective_.loss_options_.patch_weight == 0) {
       return;
     }
+    // All rays, or those through keypoints.
+    const bool is_dense = objective_.loss_options_.patch_sampling == "dense";
+    const int begin = is_dense ? 0 : first_random_ray_;
+    const int end = is_dense ? rays_->num_rays : end_keypoint_ray_;
+    if (begin == end) {
+      return;  // no image has keypoints
+    }
     const float weight =
         static_cast<float>(objective_.loss_options_.patch_weight) /
-        objective_.training_options_.rays_per_step;
+        (is_dense ? objective_.training_options_.rays_per_step
+                  : (end - begin) * objective_.num_tiles_);
     PerRay<float> loss;
     PerRay<float> d_depth;
     PerRay<int> num_valid;
@@ -211,14 +254,14 @@ class TrainingObjective::Tile : public TileObjective {
                                     num_valid.data());
     double sum = 0;
     size_t num_compared = 0;
-    for (int ray = 0; ray < rays_->num_rays; ++ray) {
+    for (int ray = begin; ray < end; ++ray) {
       if (num_valid[ray] > 0) {
         sum += loss[ray];
         gradients->d_depth[ray] += weight * d_depth[ray];
         ++num_compared;
       }
     }
-    objective_.num_drawn_patches_ += rays_->num_rays;
+    objective_.num_drawn_patches_ += end - begin;
     objective_.num_compared_patches_ += num_compared;
     (*losses)[static_cast<size_t>(LossTerm::kPatch)] += weight * sum;
   }
@@ -232,8 +275,10 @@ class TrainingObjective::Tile : public TileObjective {
     double sum = 0;
     for (int group = 0; group < num_groups_; ++group) {
       float d_depth[4];
-      sum += EvaluatePlanarLoss(
-          groups_[group], outputs.depth.data() + 4 * group, d_depth);
+      const float* const depth = outputs.depth.data() + 4 * group;
+      sum += objective_.planar_form_ == PlanarForm::kTripleProduct
+                 ? TripleProductLoss(4 * group, depth, d_depth)
+                 : EvaluatePlanarLoss(groups_[group], depth, d_depth);
       for (int k = 0; k < 4; ++k) {
         gradients->d_depth[4 * group + k] += weight * d_depth[k];
       }
@@ -241,38 +286,65 @@ class TrainingObjective::Tile : public TileObjective {
     (*losses)[static_cast<size_t>(LossTerm::kPlanar)] += weight * sum;
   }
 
-  // Sparse points and the prior pull the whole ray to a depth, not only its
-  // mean: that clears the line of sight in front as well.
-  void AddDepthHints(const RayOutputs& outputs,
-                     RayGradients* gradients,
-                     LossValues* losses) const {
-    const float sparse_weight = objective_.SparseWeight(step_) /
-                                (kNumSparseRays * objective_.num_tiles_);
-    const float prior_weight = objective_.PriorWeight(step_) /
-                               objective_.training_options_.rays_per_step;
-    for (int ray = 0; ray < rays_->num_rays; ++ray) {
-      const bool is_sparse =
-          ray >= first_sparse_ray_ && ray < first_random_ray_;
-      float pull = 0;
-      float pull_z = 0;
-      LossTerm term = LossTerm::kSparse;
-      if (is_sparse) {
-        pull = sparse_weight * sparse_weight_[ray];
-        pull_z = sparse_depth_[ray];
-      } else if (prior_weight > 0) {
-        pull_z = Prior(ray);
-        pull = pull_z > 0 ? prior_weight : 0.0f;
-        term = LossTerm::kPrior;
-      }
-      if (pull > 0) {
-        gradients->pull[ray] = pull;
-        gradients->pull_z[ray] = pull_z;
-        const double offset = (outputs.depth[ray] - pull_z) / pull_z;
-        const double spread = outputs.depth_variance[ray] / (pull_z * pull_z);
-        (*losses)[static_cast<size_t>(term)] +=
-            pull * (offset * offset + spread);
+  // The triple product in units of the scene's typical depth.
+  float TripleProductLoss(const int first_ray,
+                          const float* depth,
+                          float* d_depth) const {
+    const float per_unit = 1.0f / objective_.length_unit_;
+    Eigen::Vector3f directions[4];
+    for (int k = 0; k < 4; ++k) {
+      for (int axis = 0; axis < 3; ++axis) {
+        directions[k][axis] = per_unit * rays_->direction[axis][first_ray + k];
       }
     }
+    return EvaluateTripleProduct(directions, depth, d_depth);
+  }
+
+  SparseTarget WeightedTarget(const int ray) const {
+    SparseTarget target = sparse_target_[ray];
+    target.weight *= objective_.SparseWeight(step_) /
+                     (kNumSparseRays * objective_.num_tiles_);
+    return target;
+  }
+
+  void AddSparseLoss(const RayOutputs& outputs,
+                     RayGradients* gradients,
+                     LossValues* losses) const {
+    if (objective_.sparse_form_ == SparseForm::kRayTermination) {
+      return;  // needs samples
+    }
+    double sum = 0;
+    for (int ray = first_sparse_ray_; ray < first_random_ray_; ++ray) {
+      const SparseTarget target = WeightedTarget(ray);
+      sum +=
+          objective_.sparse_form_ == SparseForm::kLineOfSight
+              ? EvaluateLineOfSight(target, outputs, ray, gradients)
+              : EvaluateSquaredDepth(
+                    target, objective_.length_unit_, outputs, ray, gradients);
+    }
+    (*losses)[static_cast<size_t>(LossTerm::kSparse)] += sum;
+  }
+
+  // Where no sparse point is, the interpolated depth pulls at the ray.
+  void AddPriorLoss(const RayOutputs& outputs,
+                    RayGradients* gradients,
+                    LossValues* losses) const {
+    SparseTarget target;
+    target.weight = objective_.PriorWeight(step_) /
+                    objective_.training_options_.rays_per_step;
+    if (target.weight == 0) {
+      return;
+    }
+    double sum = 0;
+    for (int ray = 0; ray < rays_->num_rays; ++ray) {
+      target.depth = Prior(ray);
+      const bool is_sparse =
+          ray >= first_sparse_ray_ && ray < first_random_ray_;
+      if (!is_sparse && target.depth > 0) {
+        sum += EvaluateLineOfSight(target, outputs, ray, gradients);
+      }
+    }
+    (*losses)[static_cast<size_t>(LossTerm::kPrior)] += sum;
   }
 
   float Prior(const int ray) const {
@@ -292,8 +364,8 @@ class TrainingObjective::Tile : public TileObjective {
   PlanarGroup groups_[kNumPlanarGroups];
   int first_sparse_ray_ = 0;
   int first_random_ray_ = 0;
-  PerRay<float> sparse_depth_;
-  PerRay<float> sparse_weight_;
+  int end_keypoint_ray_ = 0;
+  PerRay<SparseTarget> sparse_target_;
 };
 
 TrainingObjective::TrainingObjective(
@@ -308,11 +380,17 @@ TrainingObjective::TrainingObjective(
       train_view_idxs_(train_view_idxs),
       num_tiles_((training_options.rays_per_step + kMaxTileRays - 1) /
                  kMaxTileRays),
+      length_unit_(static_cast<float>(frame.median_depth)),
+      sparse_form_(SparseFormFromName(loss_options.sparse_form)),
+      planar_form_(PlanarFormFromName(loss_options.planar_form)),
       views_(scene, frame),
       patch_loss_(
           scene, frame, views_, sources, MakePatchOptions(loss_options)) {
   CollectPixels(scene);
-  CollectSparseTargets(scene, frame);
+  if (loss_options.patch_sampling == "keypoints") {
+    CollectKeypoints();
+  }
+  CollectSparseRays(scene, frame);
   CollectSegments(scene);
 }
 
@@ -335,7 +413,7 @@ PatchCounts TrainingObjective::CountPatches() const {
 float TrainingObjective::SparseWeight(const int step) const {
   const bool is_on =
       step < loss_options_.sparse_fraction * training_options_.num_steps;
-  return is_on && !sparse_targets_.empty()
+  return is_on && !sparse_rays_.empty()
              ? static_cast<float>(loss_options_.sparse_weight)
              : 0.0f;
 }
@@ -368,17 +446,35 @@ void TrainingObjective::CollectPixels(const Scene& scene) {
   }
 }
 
-void TrainingObjective::CollectSparseTargets(const Scene& scene,
-                                             const SceneFrame& frame) {
+void TrainingObjective::CollectKeypoints() {
+  for (const int view_idx : train_view_idxs_) {
+    const int width = views_.image(view_idx).width;
+    for (const uint32_t pixel : SelectKeypoints(views_, view_idx)) {
+      keypoints_.push_back({view_idx,
+                            static_cast<int>(pixel % width),
+                            static_cast<int>(pixel / width)});
+    }
+  }
+}
+
+void TrainingObjective::CollectSparseRays(const Scene& scene,
+                                          const SceneFrame& frame) {
   const std::vector<std::vector<DepthSample>> samples =
       CollectDepthSamples(scene);
   for (const int view_idx : train_view_idxs_) {
     for (const DepthSample& sample : samples[view_idx]) {
-      sparse_targets_.push_back({view_idx,
-                                 static_cast<float>(sample.x),
-                                 static_cast<float>(sample.y),
-                                 static_cast<float>(sample.depth * frame.scale),
-                                 sample.weight});
+      SparseRay ray;
+      ray.view_idx = view_idx;
+      ray.x = static_cast<float>(sample.x);
+      ray.y = static_cast<float>(sample.y);
+      ray.target.depth = static_cast<float>(sample.depth * frame.scale);
+      ray.target.deviation =
+          static_cast<float>(loss_options_.sparse_deviation) *
+          std::max(sample.error_ratio, kMinErrorRatio) * ray.target.depth;
+      // The divergence distrusts a point by its deviation.
+      ray.target.weight =
+          sparse_form_ == SparseForm::kRayTermination ? 1.0f : sample.weight;
+      sparse_rays_.push_back(ray);
     }
   }
   for (size_t v = 0; v < scene.views.size(); ++v) {

@@ -2,6 +2,8 @@
 
 #include "nerf/engine/render_engine.h"
 #include "nerf/losses/patch_loss.h"
+#include "nerf/losses/sparse_loss.h"
+#include "nerf/losses/triple_product.h"
 #include "nerf/options.h"
 #include "nerf/scene.h"
 #include "nerf/scene_frame.h"
@@ -22,9 +24,9 @@ struct PatchCounts {
 
 // The StructNeRF objective (paper, eq. 14-15) on a scene: which pixels are
 // drawn and what their rays are worth. Every ray carries colour, patch
-// consistency and the interpolated prior; a part of each tile goes through
-// sparse points, and a part is drawn as groups of four pixels of one planar
-// superpixel.
+// consistency (unless that is for keypoints only) and the interpolated prior; a
+// part of each tile goes through sparse points, and a part is drawn as groups
+// of four pixels of one planar superpixel.
 class TrainingObjective {
  public:
   // `train_view_idxs`: views whose rays are drawn; others are held out.
@@ -54,20 +56,24 @@ class TrainingObjective {
  private:
   class Tile;
   struct Segment;
-  struct SparseTarget;
+  struct SparseRay;
 
   // Weights of the depth hints at a step.
   float SparseWeight(int step) const;
   float PriorWeight(int step) const;
 
   void CollectPixels(const Scene& scene);
-  void CollectSparseTargets(const Scene& scene, const SceneFrame& frame);
+  void CollectKeypoints();
+  void CollectSparseRays(const Scene& scene, const SceneFrame& frame);
   void CollectSegments(const Scene& scene);
 
   const LossOptions loss_options_;
   const TrainingOptions training_options_;
   const std::vector<int> train_view_idxs_;
   int num_tiles_ = 0;
+  const float length_unit_;  // of differences of depth; field units
+  const SparseForm sparse_form_;
+  const PlanarForm planar_form_;
   TrainingViews views_;
   PatchLoss patch_loss_;
 
@@ -78,7 +84,13 @@ class TrainingObjective {
     size_t last_pixel = 0;  // cumulative number of unmasked pixels
   };
   std::vector<PixelRow> pixel_rows_;
-  std::vector<SparseTarget> sparse_targets_;
+  struct Keypoint {
+    int view_idx = -1;
+    int col = 0;
+    int row = 0;
+  };
+  std::vector<Keypoint> keypoints_;
+  std::vector<SparseRay> sparse_rays_;
   std::vector<Segment> segments_;
   std::vector<uint32_t> segment_pixels_;   // row * width + col
   std::vector<double> last_segment_area_;  // cumulative

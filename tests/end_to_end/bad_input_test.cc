@@ -190,6 +190,12 @@ TEST_F(BadInputTest, WrongOptions) {
   Add({"--StructNeRF.quality", "best"});
   ExpectError("StructNeRF.quality");
   options_.arguments = arguments;
+  Add({"--StructNeRF.method", "dsnerf++"});
+  ExpectError("StructNeRF.method");
+  options_.arguments = arguments;
+  Add({"--StructNeRF.sparse_form", "huber"});
+  ExpectError("StructNeRF.sparse_form");
+  options_.arguments = arguments;
   Add({"--StructNeRF.max_memory_gb", "0.01"});
   ExpectError("StructNeRF.max_memory_gb");
   options_.arguments = arguments;

@@ -102,5 +102,18 @@ TEST_F(LauncherTest, PrintsVersionAndOptionsWithoutWork) {
   EXPECT_THAT(result.out, HasSubstr("StructNeRF.num_steps = 77\n"));
 }
 
+TEST_F(LauncherTest, MethodsAreDefaultsThatOptionsOverride) {
+  options_.arguments = {"structnerf_dense",
+                        "--StructNeRF.method=dsnerf",
+                        "--StructNeRF.sparse_form=kl",
+                        "--StructNeRF.print_options"};
+  const ProgramResult result = RunProgram(options_);
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.out, HasSubstr("StructNeRF.method = dsnerf\n"));
+  EXPECT_THAT(result.out, HasSubstr("StructNeRF.patch_weight = 0\n"));
+  EXPECT_THAT(result.out, HasSubstr("StructNeRF.sparse_fraction = 1\n"));
+  EXPECT_THAT(result.out, HasSubstr("StructNeRF.sparse_form = kl\n"));
+}
+
 }  // namespace
 }  // namespace structnerf

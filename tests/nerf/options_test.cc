@@ -60,13 +60,19 @@ std::vector<Setting> AllowedSettings() {
       SETTING(loss, patch_radius, 3),
       SETTING(loss, patch_dilation, 1),
       SETTING(loss, patch_dilation, 16),
+      SETTING(loss, patch_sampling, "keypoints"),
+      SETTING(loss, source_selection, "neighbors"),
       SETTING(loss, num_sources, 1),
       SETTING(loss, num_sources, 32),
       SETTING(loss, num_best_sources, 1),
       SETTING(loss, num_best_sources, 32),
       SETTING(loss, planar_weight, 0.0),
+      SETTING(loss, planar_form, "triple_product"),
       SETTING(loss, planar_min_area, 4),
       SETTING(loss, sparse_weight, 0.0),
+      SETTING(loss, sparse_form, "squared"),
+      SETTING(loss, sparse_form, "kl"),
+      SETTING(loss, sparse_deviation, 1e-4),
       SETTING(loss, sparse_fraction, 0.0),
       SETTING(loss, sparse_fraction, 1.0),
       SETTING(loss, prior_weight, 0.0),
@@ -139,13 +145,19 @@ std::vector<Setting> ForbiddenSettings() {
       SETTING(loss, patch_radius, 4),
       SETTING(loss, patch_dilation, 0),
       SETTING(loss, patch_dilation, 17),
+      SETTING(loss, patch_sampling, "sparse"),
+      SETTING(loss, source_selection, ""),
       SETTING(loss, num_sources, 0),
       SETTING(loss, num_sources, 33),
       SETTING(loss, num_best_sources, 0),
       SETTING(loss, num_best_sources, 33),
       SETTING(loss, planar_weight, -1.0),
+      SETTING(loss, planar_form, "Triple_product"),
       SETTING(loss, planar_min_area, 3),
       SETTING(loss, sparse_weight, -1.0),
+      SETTING(loss, sparse_form, "quadratic"),
+      SETTING(loss, sparse_deviation, 0.0),
+      SETTING(loss, sparse_deviation, kNan),
       SETTING(loss, sparse_fraction, 1.1),
       SETTING(loss, sparse_fraction, kNan),
       SETTING(loss, prior_weight, -1.0),
@@ -227,6 +239,25 @@ TEST(ReconstructionOptions, WindowsOfTooManyTapsAreRefused) {
   options.stereo.window_radius = 6;
   EXPECT_FALSE(options.Check(&error));
   EXPECT_THAT(error, HasSubstr("window_radius"));
+}
+
+TEST(ReconstructionOptions, NeighborsAreOnBothSides) {
+  ReconstructionOptions options;
+  std::string error;
+  options.loss.source_selection = "neighbors";
+  options.loss.num_sources = 1;
+  EXPECT_FALSE(options.Check(&error));
+  EXPECT_THAT(error, HasSubstr("num_sources"));
+}
+
+TEST(ReconstructionOptions, AllowedWordsAreInTheMessage) {
+  ReconstructionOptions options;
+  options.loss.sparse_form = "huber";
+  std::string error;
+  EXPECT_FALSE(options.Check(&error));
+  EXPECT_EQ(error,
+            "sparse_form must be line_of_sight, squared or kl, but is "
+            "\"huber\"");
 }
 
 TEST(ReconstructionOptions, RangeAndValueAreInTheMessage) {

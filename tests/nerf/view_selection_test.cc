@@ -169,5 +169,30 @@ TEST(SelectSourceViews, NoViews) {
   EXPECT_THAT(SelectSourceViews(Scene(), 4), IsEmpty());
 }
 
+TEST(SelectTrainingSources, HeldOutViewsGuideNoOthers) {
+  const std::vector<std::vector<int>> sources = {
+      {2, 1, 3}, {0, 2}, {3}, {1, 0}};
+  const auto training_sources =
+      SelectTrainingSources(sources, LossOptions(), {0, 2, 3});
+  EXPECT_THAT(training_sources[0], ElementsAre(2, 3));
+  EXPECT_THAT(training_sources[1], ElementsAre(0, 2));
+  EXPECT_THAT(training_sources[2], ElementsAre(3));
+  EXPECT_THAT(training_sources[3], ElementsAre(0));
+}
+
+TEST(SelectTrainingSources, NeighborsAreTwoOnEachSide) {
+  LossOptions options;
+  options.source_selection = "neighbors";
+  options.num_sources = 4;
+  // View 3 is held out.
+  const auto sources = SelectTrainingSources(
+      std::vector<std::vector<int>>(7, {6}), options, {0, 1, 2, 4, 5, 6});
+  EXPECT_THAT(sources[0], ElementsAre(1, 2));
+  EXPECT_THAT(sources[1], ElementsAre(0, 2, 4));
+  EXPECT_THAT(sources[2], ElementsAre(1, 4, 0, 5));
+  EXPECT_THAT(sources[3], ElementsAre(2, 4, 1, 5));
+  EXPECT_THAT(sources[6], ElementsAre(5, 4));
+}
+
 }  // namespace
 }  // namespace structnerf

@@ -44,6 +44,8 @@ RandomObjective::RandomObjective(const uint64_t seed, const int rays_per_tile)
     : seed_(seed), rays_per_tile_(rays_per_tile) {}
 
 void RandomObjective::DrawRays(const int step, const int tile, RayTile* rays) {
+  step_ = step;
+  tile_ = tile;
   int num_rays = rays_per_tile_;
   if (tile % 7 == 6) {
     num_rays = 0;
@@ -85,6 +87,18 @@ LossValues RandomObjective::Evaluate(const RayOutputs& outputs,
                    (outputs.depth_variance[ray] + offset * offset) /
                    (target * target);
     }
+  }
+  return losses;
+}
+
+LossValues RandomObjective::EvaluateSamples(const RaySamples& samples,
+                                            float* d_weight) {
+  Random random(seed_ + 2, step_, tile_);
+  LossValues losses = {};
+  for (int i = 0; i < rays_.num_rays * samples.num_samples; ++i) {
+    const float derivative = Uniform(-1, 1, &random);
+    d_weight[i] += derivative;
+    losses[4] += derivative * samples.weight[i];
   }
   return losses;
 }

@@ -24,9 +24,16 @@ class RandomObjective : public TileObjective {
   LossValues Evaluate(const RayOutputs& outputs,
                       RayGradients* gradients) override;
 
+  // Adds sum d_weight weight over the samples of every third tile.
+  bool UsesSamples() const override { return tile_ % 3 == 1; }
+  LossValues EvaluateSamples(const RaySamples& samples,
+                             float* d_weight) override;
+
  private:
   uint64_t seed_;
   int rays_per_tile_;
+  int step_ = 0;
+  int tile_ = 0;
   RayTile rays_;
   RayGradients gradients_;
 };

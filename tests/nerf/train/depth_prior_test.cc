@@ -49,10 +49,12 @@ TEST(CollectDepthSamples, WeightFallsWithTheError) {
   }
   const auto samples = CollectDepthSamples(scene);
   const double expected[] = {0.25, 1, 2.25, 0, 0, 4};
+  const double error_ratios[] = {0.5, 1, 1.5, 1, 0, 2};
   ASSERT_EQ(samples[0].size(), 6u);
   for (int i = 0; i < 6; ++i) {
     EXPECT_NEAR(samples[0][i].weight, std::exp(-expected[i]), 1e-6) << i;
     EXPECT_EQ(samples[1][i].weight, samples[0][i].weight);
+    EXPECT_NEAR(samples[0][i].error_ratio, error_ratios[i], 1e-6);
   }
 }
 

@@ -1,14 +1,17 @@
 // Values and derivatives of the training objective's terms. Which rays are
 // drawn is in training_objective_test.cc.
 
+#include "nerf/train/keypoints.h"
 #include "nerf/train/training_objective.h"
 #include "nerf/util/random.h"
 #include "tests/nerf/engine/random_scene.h"
 #include "tests/nerf/train/objective_scene.h"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <numeric>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -143,6 +146,187 @@ TEST(TrainingLoss, SparseByHand) {
   }
 }
 
+TEST(TrainingLoss, SquaredSparseByHand) {
+  ObjectiveScene test;
+  OnlyColor(&test.loss);
+  test.loss.sparse_weight = 3;
+  test.loss.sparse_form = "squared";
+  for (SparsePoint& point : test.scene.points) {
+    point.error = 0.7;
+  }
+  const float unit = static_cast<float>(test.frame.median_depth);
+  const LossValues losses = EvaluateStep(test, 0, [&](RayOutputs* outputs) {
+    for (int ray = 0; ray < kMaxTileRays; ++ray) {
+      outputs->depth_variance[ray] = 0.1f;  // plays no role
+      outputs->depth[ray] += 0.1f * unit;
+    }
+  });
+  EXPECT_NEAR(
+      Value(losses, LossTerm::kSparse), 3 * std::exp(-1.0) * 0.01, 2e-6);
+}
+
+// How light ends along the rays, as the engine would tell.
+class UniformSamples {
+ public:
+  static constexpr int kNumSamples = 8;
+
+  explicit UniformSamples(const RayTile& rays) {
+    for (int ray = 0; ray < rays.num_rays; ++ray) {
+      for (int i = 0; i <= kNumSamples; ++i) {
+        edges_.push_back(rays.near[ray] +
+                         (rays.far[ray] - rays.near[ray]) * i / kNumSamples);
+      }
+    }
+    weight_.assign(rays.num_rays * kNumSamples, 1.0f / kNumSamples);
+  }
+
+  RaySamples Samples() const {
+    return {kNumSamples, edges_.data(), weight_.data()};
+  }
+
+ private:
+  std::vector<float> edges_;
+  std::vector<float> weight_;
+};
+
+// Equal weights cost log(8) wherever the points are.
+TEST(TrainingLoss, RayTerminationByHand) {
+  ObjectiveScene test;
+  OnlyColor(&test.loss);
+  test.loss.sparse_weight = 3;
+  test.loss.sparse_form = "kl";
+  test.loss.sparse_fraction = 0.5;
+  const TrainingObjective objective = test.MakeObjective();
+  const auto tile_objective = objective.MakeTileObjective();
+  double sum = 0;
+  for (int tile = 0; tile < objective.NumTiles(); ++tile) {
+    RayTile rays;
+    tile_objective->DrawRays(0, tile, &rays);
+    RayGradients gradients;
+    const LossValues losses =
+        tile_objective->Evaluate(test.TrueOutputs(rays), &gradients);
+    EXPECT_EQ(Value(losses, LossTerm::kSparse), 0);
+    ASSERT_TRUE(tile_objective->UsesSamples());
+    const UniformSamples samples(rays);
+    std::vector<float> d_weight(rays.num_rays * UniformSamples::kNumSamples);
+    sum += Value(
+        tile_objective->EvaluateSamples(samples.Samples(), d_weight.data()),
+        LossTerm::kSparse);
+    for (int ray = 0; ray < rays.num_rays; ++ray) {
+      const auto begin = d_weight.begin() + ray * UniformSamples::kNumSamples;
+      // Points lie off the pixels' centres.
+      const auto point = test.Identify(rays, ray);
+      const bool is_sparse = std::abs(point.x - point.Col() - 0.5) > 1e-3 ||
+                             std::abs(point.y - point.Row() - 0.5) > 1e-3;
+      EXPECT_EQ(std::any_of(begin,
+                            begin + UniformSamples::kNumSamples,
+                            [](const float d) { return d != 0; }),
+                is_sparse);
+    }
+  }
+  EXPECT_NEAR(sum, 3 * std::log(8.0), 1e-3);
+
+  RayTile rays;
+  tile_objective->DrawRays(50, 0, &rays);
+  EXPECT_FALSE(tile_objective->UsesSamples());
+}
+
+TEST(TrainingLoss, OtherFormsUseNoSamples) {
+  ObjectiveScene test;
+  for (const char* const form : {"line_of_sight", "squared"}) {
+    test.loss.sparse_form = form;
+    const TrainingObjective objective = test.MakeObjective();
+    const auto tile_objective = objective.MakeTileObjective();
+    RayTile rays;
+    tile_objective->DrawRays(0, 0, &rays);
+    EXPECT_FALSE(tile_objective->UsesSamples()) << form;
+  }
+}
+
+// Four corners of a unit step in depth: the triple product notices what leaves
+// the plane, in units of the median depth, whatever the planar scale.
+TEST(TrainingLoss, TripleProductOfTheWallVanishes) {
+  ObjectiveScene test;
+  OnlyColor(&test.loss);
+  test.loss.planar_weight = 2;
+  test.loss.planar_form = "triple_product";
+  EXPECT_NEAR(
+      Value(EvaluateStep(test, 0, [](RayOutputs*) {}), LossTerm::kPlanar),
+      0,
+      1e-6);
+  const auto bent = [&] {
+    return Value(EvaluateStep(test,
+                              0,
+                              [](RayOutputs* outputs) {
+                                for (int ray = 3; ray < kMaxTileRays;
+                                     ray += 4) {
+                                  outputs->depth[ray] *= 1.1f;
+                                }
+                              }),
+                 LossTerm::kPlanar);
+  };
+  const double loss = bent();
+  EXPECT_GT(loss, 1e-4);
+  test.loss.planar_weight = 4;
+  EXPECT_NEAR(bent(), 2 * loss, 1e-4 * loss);
+  test.loss.planar_form = "inverse_depth";
+  EXPECT_GT(std::abs(bent() - 2 * loss), 0.1 * loss);
+}
+
+// As many rays as otherwise, but the patches are those around keypoints.
+TEST(TrainingLoss, PatchesAtKeypointsOnly) {
+  ObjectiveScene test;
+  test.loss.planar_weight = 0;
+  test.loss.sparse_weight = 0;
+  test.loss.prior_weight = 0;
+  test.loss.patch_sampling = "keypoints";
+  const TrainingObjective objective = test.MakeObjective();
+  const auto tile_objective = objective.MakeTileObjective();
+  int num_patches = 0;
+  for (int tile = 0; tile < objective.NumTiles(); ++tile) {
+    RayTile rays;
+    tile_objective->DrawRays(0, tile, &rays);
+    RayOutputs outputs = test.TrueOutputs(rays);
+    ScaleDepth(1.1f, &outputs);
+    RayGradients gradients;
+    tile_objective->Evaluate(outputs, &gradients);
+    for (int ray = 0; ray < rays.num_rays; ++ray) {
+      if (gradients.d_depth[ray] == 0) {
+        continue;
+      }
+      ++num_patches;
+      const auto point = test.Identify(rays, ray);
+      const std::vector<uint32_t> keypoints =
+          SelectKeypoints(objective.Views(), point.view_idx);
+      EXPECT_EQ(
+          std::count(keypoints.begin(),
+                     keypoints.end(),
+                     static_cast<uint32_t>(24 * point.Row() + point.Col())),
+          1);
+    }
+  }
+  EXPECT_GT(num_patches, objective.NumTiles());
+  EXPECT_LE(num_patches, objective.NumTiles() * kMaxTileRays / 2);
+}
+
+// A single pixel says less than a patch, but something.
+TEST(TrainingLoss, SinglePixelsInsteadOfPatches) {
+  ObjectiveScene test;
+  test.loss.planar_weight = 0;
+  test.loss.sparse_weight = 0;
+  test.loss.prior_weight = 0;
+  const auto evaluate = [&](const float factor) {
+    return Value(
+        EvaluateStep(
+            test, 0, [&](RayOutputs* outputs) { ScaleDepth(factor, outputs); }),
+        LossTerm::kPatch);
+  };
+  const double patch = evaluate(1.1f);
+  test.loss.patch_radius = 0;
+  EXPECT_NE(evaluate(1.1f), patch);
+  EXPECT_GT(evaluate(1.1f), 2 * evaluate(1.0f));
+}
+
 TEST(TrainingLoss, PriorByHand) {
   ObjectiveScene test;
   OnlyColor(&test.loss);
@@ -256,8 +440,11 @@ TEST(TrainingLoss, DoesNotDependOnTheScaleOfTheWorld) {
 
 // The derivatives belong to the value that is reported, in every output of
 // every ray, all terms at once.
-TEST(TrainingLoss, GradientsAreThoseOfTheReportedValue) {
+void CheckReportedGradients(const std::string& sparse_form,
+                            const std::string& planar_form) {
   ObjectiveScene test;
+  test.loss.sparse_form = sparse_form;
+  test.loss.planar_form = planar_form;
   test.loss.color_weight = 0.7;
   test.loss.patch_weight = 1.3;
   test.loss.planar_weight = 0.6;
@@ -329,10 +516,21 @@ TEST(TrainingLoss, GradientsAreThoseOfTheReportedValue) {
   EXPECT_LT(num_kinks, 0.1 * num_depths);
 }
 
+TEST(TrainingLoss, GradientsAreThoseOfTheReportedValue) {
+  CheckReportedGradients("line_of_sight", "inverse_depth");
+}
+
+TEST(TrainingLoss, GradientsOfTheOtherForms) {
+  CheckReportedGradients("squared", "triple_product");
+}
+
 // Down the whole chain: sampling, networks, rendering, losses. The derivative
 // of the reported loss along the gradient is the gradient's length.
-TEST(TrainingLoss, EngineDescendsWhatIsReported) {
+void CheckDescent(const std::string& sparse_form,
+                  const std::string& planar_form) {
   ObjectiveScene test;
+  test.loss.sparse_form = sparse_form;
+  test.loss.planar_form = planar_form;
   // Without the patch loss, whose kinks a step of this size meets.
   test.loss.patch_weight = 0;
   const TrainingObjective objective = test.MakeObjective();
@@ -377,6 +575,15 @@ TEST(TrainingLoss, EngineDescendsWhatIsReported) {
   };
   const double h = 2e-3;
   EXPECT_NEAR((moved(h) - moved(-h)) / (2 * h), norm, 0.01 * norm);
+}
+
+TEST(TrainingLoss, EngineDescendsWhatIsReported) {
+  CheckDescent("line_of_sight", "inverse_depth");
+}
+
+TEST(TrainingLoss, EngineDescendsTheOtherForms) {
+  CheckDescent("squared", "triple_product");
+  CheckDescent("kl", "inverse_depth");
 }
 
 }  // namespace

@@ -1,0 +1,36 @@
+#include "nerf/methods.h"
+
+#include <stdexcept>
+
+namespace structnerf {
+namespace {
+
+// Neither hints of structure nor depth, nor stereo at the end.
+void KeepOnlyColor(ReconstructionOptions* options) {
+  options->loss.patch_weight = 0;
+  options->loss.planar_weight = 0;
+  options->loss.sparse_weight = 0;
+  options->loss.prior_weight = 0;
+  options->stereo.num_iterations = 0;
+}
+
+}  // namespace
+
+ReconstructionOptions ApplyMethod(const std::string& method,
+                                  ReconstructionOptions options) {
+  const double sparse_weight = options.loss.sparse_weight;
+  if (method == "nerf") {
+    KeepOnlyColor(&options);
+  } else if (method == "dsnerf") {
+    KeepOnlyColor(&options);
+    options.loss.sparse_weight = sparse_weight;
+    options.loss.sparse_form = "squared";
+    options.loss.sparse_fraction = 1;
+  } else if (method != "structnerf") {
+    throw std::invalid_argument(
+        "method must be structnerf, nerf or dsnerf, but is \"" + method + "\"");
+  }
+  return options;
+}
+
+}  // namespace structnerf

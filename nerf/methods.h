@@ -1,0 +1,22 @@
+#pragma once
+
+#include "nerf/options.h"
+
+#include <string>
+
+namespace structnerf {
+
+// The methods of the paper's tables, as settings of the same building blocks.
+// Returns `options` with what makes the method, and nothing else, changed:
+//   "structnerf"  nothing
+//   "nerf"        colour only (Mildenhall et al. 2020)
+//   "dsnerf"      colour, and the squared error of the sparse points' depth to
+//                 the end of the training (Deng et al. 2022); set sparse_form
+//                 to "kl" for its ray-termination form
+// All but the first end with the field's own depth, without matching of windows
+// (StereoOptions). Throws std::invalid_argument, listing them, for any other
+// word.
+ReconstructionOptions ApplyMethod(const std::string& method,
+                                  ReconstructionOptions options);
+
+}  // namespace structnerf
