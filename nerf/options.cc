@@ -64,12 +64,17 @@ constexpr double kAnyWeight = 1e6;
 
 bool FieldOptions::Check(std::string* error) const {
   return RangeChecker()
+      // The option's name on the command line.
+      .OneOf("field", type, {"grid", "mlp"})
       .In("num_levels", num_levels, 1, 16)
       .In("log2_table_size", log2_table_size, 10, 24)
       .In("min_resolution", min_resolution, 2, 1024)
       .In("max_resolution", max_resolution, min_resolution, 65536)
       .In("hidden_width", hidden_width, 16, 64)
       .Require(hidden_width % 16 == 0, "hidden_width must be a multiple of 16")
+      .In("mlp_num_layers", mlp_num_layers, 1, 32)
+      .In("mlp_width", mlp_width, 2, 1024)
+      .Require(mlp_width % 2 == 0, "mlp_width must be even")
       .Report(error);
 }
 
@@ -77,6 +82,7 @@ bool SamplingOptions::Check(std::string* error) const {
   return RangeChecker()
       .In("num_bins", num_bins, 8, kMaxRayBins)
       .In("num_samples", num_samples, 1, kMaxRaySamples)
+      .In("num_fine_samples", num_fine_samples, 0, 1024)
       .In("cache_resolution", cache_resolution, 8, 512)
       .In("cache_interval", cache_interval, 1, 1000000)
       .In("cache_decay", cache_decay, 0.0, 0.999)
@@ -179,9 +185,25 @@ ReconstructionOptions QualityPreset(const std::string& quality) {
     options.loss.patch_dilation = 6;
     options.sampling.num_samples = 32;
     options.stereo.num_iterations = 4;
+  } else if (quality == "paper") {
+    options.field.type = "mlp";
+    options.sampling.num_samples = 64;
+    options.loss.patch_weight = 0.025;
+    options.loss.num_sources = 4;
+    options.loss.num_best_sources = 4;
+    options.loss.source_selection = "neighbors";
+    options.loss.planar_weight = 0.025;
+    options.loss.planar_form = "triple_product";
+    options.loss.sparse_weight = 0.05;
+    options.loss.sparse_form = "squared";
+    options.training.num_steps = 100000;
+    options.training.max_image_size = 640;
+    options.training.network_learning_rate = 5e-4;
+    options.training.final_learning_rate_factor = 1;
+    options.stereo.num_iterations = 0;
   } else {
     throw std::invalid_argument(
-        "quality must be low, medium, high or extreme, "
+        "quality must be low, medium, high, extreme or paper, "
         "but is \"" +
         quality + "\"");
   }

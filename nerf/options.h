@@ -8,9 +8,13 @@ namespace structnerf {
 // that COLMAP's option manager can register them. Each Check() returns false
 // and says in `error` which field is wrong and what is allowed.
 
-// The radiance field: a multi-resolution hash grid (Mueller et al. 2022)
-// decoded by small networks.
+// The radiance field.
 struct FieldOptions {
+  // "grid": a multi-resolution hash grid (Mueller et al. 2022) decoded by small
+  // networks; "mlp": NeRF's coarse and fine network (nerf/field/mlp_layout.h),
+  // some thousand times slower.
+  std::string type = "grid";
+
   // Number of grid levels, each with 8 features per entry.
   int num_levels = 4;
 
@@ -27,6 +31,11 @@ struct FieldOptions {
   // Width of the hidden layers: 16, 32, 48 or 64.
   int hidden_width = 32;
 
+  // Layers of each of NeRF's networks before density, and their width (NeRF: 8
+  // and 256).
+  int mlp_num_layers = 8;
+  int mlp_width = 256;
+
   bool Check(std::string* error) const;
 };
 
@@ -35,8 +44,13 @@ struct SamplingOptions {
   // Bins in which the cached density is read along each ray.
   int num_bins = 96;
 
-  // Samples per ray at which the field is evaluated.
+  // Samples per ray at which the field is evaluated; with "mlp", the coarse
+  // network (NeRF: 64).
   int num_samples = 16;
+
+  // With "mlp", samples per ray that are added for the fine network (NeRF:
+  // 128); 0 = the coarse network alone.
+  int num_fine_samples = 128;
 
   // Cells of the density cache along the longest side of the scene box.
   int cache_resolution = 128;
@@ -206,8 +220,9 @@ struct ReconstructionOptions {
   bool Check(std::string* error) const;
 };
 
-// The options of one of COLMAP's quality words: "low", "medium", "high" or
-// "extreme". Throws std::invalid_argument, listing them, for any other.
+// The options of one of COLMAP's quality words, "low", "medium", "high" or
+// "extreme", or of "paper": its own field, losses and schedule (section IV-C),
+// which take days. Throws std::invalid_argument, listing them, for any other.
 ReconstructionOptions QualityPreset(const std::string& quality);
 
 }  // namespace structnerf

@@ -5,6 +5,7 @@
 #include "nerf/extract/normal_estimation.h"
 #include "nerf/extract/preview_renderer.h"
 #include "nerf/field/field_file.h"
+#include "nerf/field/mlp_layout.h"
 #include "nerf/scene_frame.h"
 #include "nerf/scene_guards.h"
 #include "nerf/stereo/depth_refinement.h"
@@ -45,6 +46,33 @@ constexpr size_t kBytesPerSampleAndLevel =
 constexpr size_t kBytesPerRefinedPixel = 6 * sizeof(float);
 constexpr size_t kBytesPerRefinedPixelAndSource = sizeof(int32_t);
 
+size_t EstimateGridMemory(const ReconstructionOptions& options) {
+  const FieldLayout layout(options.field, Eigen::Vector3f::Ones());
+  const size_t field =
+      layout.num_grid_entries * kGridFeatures * kBytesPerFeature;
+  const size_t step =
+      static_cast<size_t>(options.training.rays_per_step) *
+      (options.sampling.num_samples *
+           (kBytesPerSample + layout.levels.size() * kBytesPerSampleAndLevel) +
+       // One gradient of the networks per tile.
+       layout.num_network_parameters * sizeof(float) / kMaxTileRays);
+  const size_t cache =
+      static_cast<size_t>(std::pow(options.sampling.cache_resolution, 3.0));
+  return field + step + cache;
+}
+
+// Field, gradient and two moments of two networks; of a batch of points the
+// input, the activation and the gradient of each layer.
+size_t EstimateMlpMemory(const ReconstructionOptions& options) {
+  const MlpLayout layout(options.field);
+  size_t floats_per_point = 0;
+  for (const LayerLayout& layer : layout.Layers()) {
+    floats_per_point += layer.num_inputs + 2 * layer.num_outputs;
+  }
+  return sizeof(float) * (2 * 4 * layout.num_parameters +
+                          kMaxMlpBatchPoints * floats_per_point);
+}
+
 EngineOptions MakeEngineOptions(const ReconstructionOptions& options,
                                 const SceneFrame& frame) {
   EngineOptions engine_options;
@@ -61,7 +89,9 @@ EngineOptions MakeEngineOptions(const ReconstructionOptions& options,
 
 class Reconstructor::Impl {
  public:
-  Impl(Scene scene_in, const ReconstructionOptions& options_in)
+  Impl(Scene scene_in,
+       const ReconstructionOptions& options_in,
+       const EngineFactory& make_engine)
       : scene(std::move(scene_in)), options(options_in) {
     std::string error;
     if (!options.Check(&error)) {
@@ -90,7 +120,7 @@ class Reconstructor::Impl {
                                                     training_sources,
                                                     options.loss,
                                                     options.training);
-    engine = MakeFusedEngine(MakeEngineOptions(options, frame));
+    engine = make_engine(MakeEngineOptions(options, frame));
     patch_match = std::make_unique<PatchMatch>(
         scene, frame, objective->Views(), sources, options.stereo);
     pool = std::make_unique<ThreadPool>(options.training.num_threads);
@@ -120,29 +150,23 @@ size_t Reconstructor::EstimateMemory(const ReconstructionOptions& options,
           static_cast<double>(std::max<size_t>(1, std::max(width, height))));
   const double training_pixels =
       ratio * ratio * static_cast<double>(width * height);
-  const FieldLayout layout(options.field, Eigen::Vector3f::Ones());
-  const size_t field =
-      layout.num_grid_entries * kGridFeatures * kBytesPerFeature;
-  const size_t step =
-      static_cast<size_t>(options.training.rays_per_step) *
-      (options.sampling.num_samples *
-           (kBytesPerSample + layout.levels.size() * kBytesPerSampleAndLevel) +
-       // One gradient of the networks per tile.
-       layout.num_network_parameters * sizeof(float) / kMaxTileRays);
-  const size_t cache =
-      static_cast<size_t>(std::pow(options.sampling.cache_resolution, 3.0));
   const size_t refinement = static_cast<size_t>(
       training_pixels *
       (kBytesPerRefinedPixel +
        kBytesPerRefinedPixelAndSource * options.stereo.num_used_sources));
-  return field + step + cache + refinement +
+  const size_t engine = options.field.type == "mlp"
+                            ? EstimateMlpMemory(options)
+                            : EstimateGridMemory(options);
+  return engine + refinement +
          static_cast<size_t>(num_views * training_pixels *
                              kBytesPerTrainingPixel) +
          width * height * kBytesPerMapPixel;
 }
 
-Reconstructor::Reconstructor(Scene scene, const ReconstructionOptions& options)
-    : impl_(std::make_unique<Impl>(std::move(scene), options)) {}
+Reconstructor::Reconstructor(Scene scene,
+                             const ReconstructionOptions& options,
+                             const EngineFactory& make_engine)
+    : impl_(std::make_unique<Impl>(std::move(scene), options, make_engine)) {}
 
 Reconstructor::~Reconstructor() = default;
 

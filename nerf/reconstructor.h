@@ -2,6 +2,7 @@
 
 #include "nerf/checkpoint_options.h"
 #include "nerf/dense_maps.h"
+#include "nerf/engine/engine_factory.h"
 #include "nerf/options.h"
 #include "nerf/progress.h"
 #include "nerf/scene.h"
@@ -42,7 +43,9 @@ class Reconstructor {
                                size_t height);
 
   // Throws std::invalid_argument if the scene or the options are wrong.
-  Reconstructor(Scene scene, const ReconstructionOptions& options);
+  Reconstructor(Scene scene,
+                const ReconstructionOptions& options,
+                const EngineFactory& make_engine = MakeGridEngine);
   ~Reconstructor();
 
   // Sentences about the scene that the user should know, e.g. views without

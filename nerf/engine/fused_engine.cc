@@ -1,7 +1,7 @@
 #include "nerf/engine/fused_grid.h"
 #include "nerf/engine/fused_network.h"
 #include "nerf/engine/fused_tile.h"
-#include "nerf/engine/render_engine.h"
+#include "nerf/engine/grid_engine.h"
 #include "nerf/kernels/adam.h"
 #include "nerf/kernels/dense_layer.h"
 #include "nerf/util/aligned_buffer.h"
@@ -42,7 +42,7 @@ struct TileResult {
   AlignedBuffer<float> network_gradient;
 };
 
-class FusedEngine : public RenderEngine {
+class FusedEngine : public GridEngine {
  public:
   explicit FusedEngine(const EngineOptions& options)
       : options_(options),
@@ -393,7 +393,7 @@ class FusedEngine : public RenderEngine {
 
 }  // namespace
 
-std::unique_ptr<RenderEngine> MakeFusedEngine(const EngineOptions& options) {
+std::unique_ptr<GridEngine> MakeFusedEngine(const EngineOptions& options) {
   return std::make_unique<FusedEngine>(options);
 }
 

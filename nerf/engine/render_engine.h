@@ -1,7 +1,6 @@
 #pragma once
 
 #include "nerf/engine/ray_tile.h"
-#include "nerf/field/density_cache.h"
 #include "nerf/field/field_layout.h"
 #include "nerf/options.h"
 #include "nerf/progress.h"
@@ -83,7 +82,7 @@ class RenderEngine {
  public:
   virtual ~RenderEngine() = default;
 
-  virtual const FieldLayout& Layout() const = 0;
+  virtual size_t NumParameters() const = 0;
 
   // Renders the rays of step.num_tiles tiles, lets `objectives` (one per
   // thread, see NumThreads) judge them, and accumulates the gradient of the sum
@@ -98,15 +97,14 @@ class RenderEngine {
                       float network_learning_rate) = 0;
 
   // Evaluates the density of a part of the scene box for the density cache.
-  virtual void RefreshDensityCache(float decay) = 0;
+  // Engines that sample without one have nothing to do.
+  virtual void RefreshDensityCache(float /*decay*/) {}
 
   // Evaluates the density of every cell anew, at several points each. For
   // rendering: training sees most of a cell's history, a rendered ray only what
   // the cache says now, and misses a surface where it says nothing. The result
   // depends on the parameters alone. Throws Aborted if told to abort.
-  void RebuildDensityCache(Progress* progress);
-
-  virtual const DensityCache& Cache() const = 0;
+  virtual void RebuildDensityCache(Progress* /*progress*/) {}
 
   // Renders tiles without gradients. Colour is left alone unless asked for.
   virtual void Render(const std::vector<RayTile>& tiles,
@@ -144,25 +142,6 @@ class RenderEngine {
   // Time spent in each stage so far, added up over threads; zero if the engine
   // does not keep it.
   virtual StageSeconds Profile() const { return {}; }
-
- protected:
-  virtual DensityCache* MutableCache() = 0;
-
-  // Multiplies features by the weight of their level; empty = all one.
-  static void ApplyLevelWeights(const FieldLayout& layout,
-                                const std::vector<float>& level_weights,
-                                std::vector<float>* grid);
-
-  // The part of a state that all implementations have. Reading throws
-  // std::runtime_error if it is not that of `layout`.
-  static void SaveHead(const FieldLayout& layout,
-                       const std::vector<float>& level_weights,
-                       int num_updates,
-                       StateWriter* writer);
-  static void LoadHead(const FieldLayout& layout,
-                       StateReader* reader,
-                       std::vector<float>* level_weights,
-                       int* num_updates);
 };
 
 // What every implementation is built from.
@@ -181,9 +160,5 @@ struct EngineOptions {
   int num_threads = -1;
   int seed = 0;
 };
-
-// Hand-vectorised for the CPU, tiles of rays over threads. Its results do not
-// depend on the number of threads.
-std::unique_ptr<RenderEngine> MakeFusedEngine(const EngineOptions& options);
 
 }  // namespace structnerf

@@ -1,8 +1,8 @@
 #include "nerf/engine/torch_engine.h"
 
 #include "nerf/engine/tile_sampling.h"
-#include "nerf/engine/torch_compositing.h"
 #include "nerf/engine/torch_field.h"
+#include "nerf/engine/torch_rendering.h"
 #include "nerf/kernels/adam.h"
 
 #include <algorithm>
@@ -23,12 +23,6 @@ struct SampleBatch {
   std::vector<float> positions[3];  // rays x n
   std::vector<float> direction;     // rays x kDirectionWidth
   std::vector<float> ray_length;    // rays
-};
-
-struct RenderedBatch {
-  torch::Tensor raw_density;  // rays x n
-  TorchComposite composite;
-  torch::Tensor color;  // rays x 3, undefined if not asked for
 };
 
 void AppendTile(const RayTile& rays,
@@ -61,7 +55,7 @@ void AppendTile(const RayTile& rays,
   }
 }
 
-class TorchEngine : public RenderEngine {
+class TorchEngine : public GridEngine {
  public:
   TorchEngine(const EngineOptions& options, const TorchPrecision precision)
       : options_(options),
@@ -120,7 +114,7 @@ class TorchEngine : public RenderEngine {
 
     // An objective judges the rays it drew last, so they are drawn again.
     LossValues losses = {};
-    std::vector<float> gradients[kNumGradients];
+    OutputGradients gradients;
     const std::vector<float> weight = CopyValues(rendered.composite.weight);
     std::vector<float> d_weight(weight.size(), 0.0f);
     const int64_t n = sampling_.num_samples;
@@ -140,36 +134,12 @@ class TorchEngine : public RenderEngine {
             objective.EvaluateSamples(samples, d_weight.data() + first_ray * n),
             &losses);
       }
-      const PerRay<float>* const columns[kNumGradients] = {
-          &tile_gradients.d_color[0],
-          &tile_gradients.d_color[1],
-          &tile_gradients.d_color[2],
-          &tile_gradients.d_depth,
-          &tile_gradients.d_opacity,
-          &tile_gradients.pull,
-          &tile_gradients.pull_z};
-      for (int i = 0; i < kNumGradients; ++i) {
-        gradients[i].insert(gradients[i].end(),
-                            columns[i]->begin(),
-                            columns[i]->begin() + rays.num_rays);
-      }
+      gradients.Append(tile_gradients, rays.num_rays);
       first_ray += rays.num_rays;
     }
-    // A function whose derivatives by the outputs are the objectives'.
-    torch::Tensor surrogate =
-        (PullWithTorch(rendered.composite,
-                       MakeTensor(gradients[5]),
-                       MakeTensor(gradients[6])) +
-         MakeTensor(gradients[3]) * rendered.composite.depth +
-         MakeTensor(gradients[4]) * rendered.composite.opacity)
-            .sum() +
-        (MakeTensor(d_weight) * rendered.composite.weight.flatten()).sum();
-    for (int c = 0; c < 3; ++c) {
-      surrogate =
-          surrogate +
-          (MakeTensor(gradients[c]) * rendered.color.select(1, c)).sum();
-    }
-    surrogate.backward();
+    (gradients.Surrogate(rendered) +
+     (MakeTensor(d_weight) * rendered.composite.weight.flatten()).sum())
+        .backward();
     return losses;
   }
 
@@ -183,7 +153,7 @@ class TorchEngine : public RenderEngine {
     if (grid_.grad().defined()) {
       const torch::Tensor gradient = grid_.grad();
       const torch::Tensor touched = (gradient != 0).any(1);
-      const torch::Tensor finite = IsFinite(gradient).all(1);
+      const torch::Tensor finite = IsFiniteGradient(gradient).all(1);
       all_finite &= finite.all().item<bool>();
       const torch::Tensor rows = (touched & finite).nonzero().squeeze(1);
       const torch::Tensor g = gradient.index_select(0, rows);
@@ -200,7 +170,7 @@ class TorchEngine : public RenderEngine {
     }
     if (network_.grad().defined()) {
       const torch::Tensor g = network_.grad();
-      if (IsFinite(g).all().item<bool>()) {
+      if (IsFiniteGradient(g).all().item<bool>()) {
         Moments& moments = network_moments_;
         moments.first.mul_(step.beta1).add_(g, 1 - step.beta1);
         moments.second.mul_(step.beta2).add_(g * g, 1 - step.beta2);
@@ -326,19 +296,13 @@ class TorchEngine : public RenderEngine {
   DensityCache* MutableCache() override { return &cache_; }
 
  private:
-  // Columns of RayGradients.
-  static constexpr int kNumGradients = 7;
-
   struct Moments {
     torch::Tensor first;
     torch::Tensor second;
   };
 
   torch::Tensor MakeTensor(const std::vector<float>& values) const {
-    return torch::from_blob(const_cast<float*>(values.data()),
-                            {static_cast<int64_t>(values.size())},
-                            torch::kFloat)
-        .to(type_, /*non_blocking=*/false, /*copy=*/true);
+    return structnerf::MakeTensor(values, type_);
   }
 
   torch::Tensor StackPositions(const std::vector<float> (&positions)[3]) const {
@@ -346,17 +310,6 @@ class TorchEngine : public RenderEngine {
                          MakeTensor(positions[1]),
                          MakeTensor(positions[2])},
                         1);
-  }
-
-  static std::vector<float> CopyValues(const torch::Tensor& values) {
-    const torch::Tensor flat =
-        values.detach().to(torch::kFloat).contiguous().flatten();
-    const float* const data = flat.data_ptr<float>();
-    return std::vector<float>(data, data + flat.numel());
-  }
-
-  static torch::Tensor IsFinite(const torch::Tensor& gradient) {
-    return gradient.abs() < kMaxGradient;
   }
 
   RenderedBatch RenderBatch(const SampleBatch& batch,
@@ -387,25 +340,6 @@ class TorchEngine : public RenderEngine {
     return rendered;
   }
 
-  static void CopyOutputs(const RenderedBatch& rendered,
-                          const int64_t first_ray,
-                          const int64_t num_rays,
-                          RayOutputs* outputs) {
-    const auto copy = [&](const torch::Tensor& from, PerRay<float>* to) {
-      const std::vector<float> values =
-          CopyValues(from.narrow(0, first_ray, num_rays));
-      std::copy(values.begin(), values.end(), to->begin());
-    };
-    if (rendered.color.defined()) {
-      for (int c = 0; c < 3; ++c) {
-        copy(rendered.color.select(1, c), &outputs->color[c]);
-      }
-    }
-    copy(rendered.composite.depth, &outputs->depth);
-    copy(rendered.composite.variance, &outputs->depth_variance);
-    copy(rendered.composite.opacity, &outputs->opacity);
-  }
-
   std::vector<torch::Tensor> StateTensors() const {
     return {grid_,
             network_,
@@ -431,8 +365,8 @@ class TorchEngine : public RenderEngine {
 
 }  // namespace
 
-std::unique_ptr<RenderEngine> MakeTorchEngine(const EngineOptions& options,
-                                              const TorchPrecision precision) {
+std::unique_ptr<GridEngine> MakeTorchEngine(const EngineOptions& options,
+                                            const TorchPrecision precision) {
   return std::make_unique<TorchEngine>(options, precision);
 }
 

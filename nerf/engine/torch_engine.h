@@ -1,6 +1,6 @@
 #pragma once
 
-#include "nerf/engine/render_engine.h"
+#include "nerf/engine/grid_engine.h"
 
 #include <memory>
 
@@ -12,7 +12,7 @@ enum class TorchPrecision { kFloat, kDouble };
 // what the hand-written engines are tested against; it also runs where none of
 // them does. Slow on a CPU: a batch of samples streams through memory once per
 // operation.
-std::unique_ptr<RenderEngine> MakeTorchEngine(const EngineOptions& options,
-                                              TorchPrecision precision);
+std::unique_ptr<GridEngine> MakeTorchEngine(const EngineOptions& options,
+                                            TorchPrecision precision);
 
 }  // namespace structnerf

@@ -1,7 +1,9 @@
 #include "nerf/field/field_file.h"
 
+#include "nerf/field/mlp_layout.h"
 #include "nerf/util/checksummed_file.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <stdexcept>
@@ -10,7 +12,7 @@ namespace structnerf {
 namespace {
 
 constexpr FileFormat kFormat = {
-    {'S', 'N', 'F', 'I', 'E', 'L', 'D', '\0'}, /*version=*/2, "trained field"};
+    {'S', 'N', 'F', 'I', 'E', 'L', 'D', '\0'}, /*version=*/3, "trained field"};
 
 // Of the field; without padding, so that bytes can be compared.
 struct Shape {
@@ -21,20 +23,31 @@ struct Shape {
   int32_t min_resolution;
   int32_t max_resolution;
   int32_t hidden_width;
+  int32_t mlp_num_layers;  // 0 = a grid
+  int32_t mlp_width;
   float extent[3];
 };
-static_assert(sizeof(Shape) == 2 * 8 + 8 * 4);
+static_assert(sizeof(Shape) == 2 * 8 + 10 * 4);
 
 Shape MakeShape(const FieldOptions& options, const Eigen::Vector3f& extent) {
+  Shape shape;
+  std::memset(&shape, 0, sizeof(shape));
+  std::copy(extent.data(), extent.data() + 3, shape.extent);
+  if (options.type == "mlp") {
+    shape.num_network_values = 2 * MlpLayout(options).num_parameters;
+    shape.mlp_num_layers = options.mlp_num_layers;
+    shape.mlp_width = options.mlp_width;
+    return shape;
+  }
   const FieldLayout layout(options, extent);
-  return {layout.num_grid_entries * kGridFeatures,
-          layout.num_network_parameters,
-          options.num_levels,
-          options.log2_table_size,
-          options.min_resolution,
-          options.max_resolution,
-          options.hidden_width,
-          {extent.x(), extent.y(), extent.z()}};
+  shape.num_grid_values = layout.num_grid_entries * kGridFeatures;
+  shape.num_network_values = layout.num_network_parameters;
+  shape.num_levels = options.num_levels;
+  shape.log2_table_size = options.log2_table_size;
+  shape.min_resolution = options.min_resolution;
+  shape.max_resolution = options.max_resolution;
+  shape.hidden_width = options.hidden_width;
+  return shape;
 }
 
 }  // namespace

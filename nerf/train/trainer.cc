@@ -20,6 +20,16 @@ constexpr size_t kMaxTestPixels = 8192;
 // Share of the training over which one level fades in.
 constexpr double kLevelFade = 0.02;
 
+// Evaluations of the field. NeRF's fine network sees the coarse one's points
+// again.
+size_t SamplesPerRay(const ReconstructionOptions& options) {
+  const SamplingOptions& sampling = options.sampling;
+  const bool has_fine =
+      options.field.type == "mlp" && sampling.num_fine_samples > 0;
+  return has_fine ? 2 * sampling.num_samples + sampling.num_fine_samples
+                  : sampling.num_samples;
+}
+
 double Seconds(const std::chrono::steady_clock::time_point begin) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin)
       .count();
@@ -67,7 +77,7 @@ TrainingSummary Trainer::Run(Progress* progress,
   TrainingGuards guards(objective_, options_, engine_);
   checkpoints->Load(engine_, &guards, &state);
   TrainingSummary& summary = state.summary;
-  summary.num_parameters = engine_->Layout().NumParameters();
+  summary.num_parameters = engine_->NumParameters();
   summary.num_resumed_steps = summary.num_steps;
   const double resumed_seconds = summary.seconds;
   auto begin = std::chrono::steady_clock::now();
@@ -145,7 +155,7 @@ TrainingSummary Trainer::Run(Progress* progress,
   summary.held_out_psnr = HeldOutPsnr();
   summary.num_rays = static_cast<size_t>(summary.num_steps) *
                      objective_.NumTiles() * kMaxTileRays;
-  summary.num_samples = summary.num_rays * options_.sampling.num_samples;
+  summary.num_samples = summary.num_rays * SamplesPerRay(options_);
   ProgressUpdate update;
   update.stage = "Training";
   update.fraction = 1;

@@ -37,11 +37,7 @@ class FakeEngine : public RenderEngine {
   size_t num_rendered_tiles = 0;
   size_t num_loaded_updates = 0;
 
-  explicit FakeEngine(const int num_levels = 4)
-      : layout_(MakeFieldOptions(num_levels), Eigen::Vector3f::Ones()),
-        cache_(8, Eigen::Vector3f::Ones(), 1.0f) {}
-
-  const FieldLayout& Layout() const override { return layout_; }
+  size_t NumParameters() const override { return 1234; }
 
   LossValues Accumulate(
       const StepParameters& step,
@@ -63,8 +59,6 @@ class FakeEngine : public RenderEngine {
   void RefreshDensityCache(float) override {
     refresh_steps.push_back(static_cast<int>(grid_learning_rates.size()));
   }
-
-  const DensityCache& Cache() const override { return cache_; }
 
   void Render(const std::vector<RayTile>& tiles,
               const bool with_color,
@@ -111,20 +105,6 @@ class FakeEngine : public RenderEngine {
     num_loaded_updates = reader->ReadValue<size_t>();
   }
   int NumThreads() const override { return 1; }
-
- protected:
-  DensityCache* MutableCache() override { return &cache_; }
-
- private:
-  static FieldOptions MakeFieldOptions(const int num_levels) {
-    FieldOptions options;
-    options.num_levels = num_levels;
-    options.log2_table_size = 10;
-    return options;
-  }
-
-  FieldLayout layout_;
-  DensityCache cache_;
 };
 
 }  // namespace structnerf

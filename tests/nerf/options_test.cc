@@ -32,6 +32,11 @@ struct Setting {
 // Values at or just inside every limit.
 std::vector<Setting> AllowedSettings() {
   return {
+      SETTING(field, type, "mlp"),
+      SETTING(field, mlp_num_layers, 1),
+      SETTING(field, mlp_num_layers, 32),
+      SETTING(field, mlp_width, 2),
+      SETTING(field, mlp_width, 1024),
       SETTING(field, num_levels, 1),
       SETTING(field, num_levels, 16),
       SETTING(field, log2_table_size, 10),
@@ -45,6 +50,8 @@ std::vector<Setting> AllowedSettings() {
       SETTING(sampling, num_bins, 256),
       SETTING(sampling, num_samples, 1),
       SETTING(sampling, num_samples, 64),
+      SETTING(sampling, num_fine_samples, 0),
+      SETTING(sampling, num_fine_samples, 1024),
       SETTING(sampling, cache_resolution, 8),
       SETTING(sampling, cache_resolution, 512),
       SETTING(sampling, cache_interval, 1),
@@ -114,6 +121,11 @@ std::vector<Setting> AllowedSettings() {
 // Values just outside every limit.
 std::vector<Setting> ForbiddenSettings() {
   return {
+      SETTING(field, mlp_num_layers, 0),
+      SETTING(field, mlp_num_layers, 33),
+      SETTING(field, mlp_width, 0),
+      SETTING(field, mlp_width, 255),
+      SETTING(field, mlp_width, 1026),
       SETTING(field, num_levels, 0),
       SETTING(field, num_levels, 17),
       SETTING(field, log2_table_size, 9),
@@ -128,6 +140,8 @@ std::vector<Setting> ForbiddenSettings() {
       SETTING(sampling, num_bins, 257),
       SETTING(sampling, num_samples, 0),
       SETTING(sampling, num_samples, 65),
+      SETTING(sampling, num_fine_samples, -1),
+      SETTING(sampling, num_fine_samples, 1025),
       SETTING(sampling, cache_resolution, 7),
       SETTING(sampling, cache_resolution, 513),
       SETTING(sampling, cache_interval, 0),
@@ -241,6 +255,14 @@ TEST(ReconstructionOptions, WindowsOfTooManyTapsAreRefused) {
   EXPECT_THAT(error, HasSubstr("window_radius"));
 }
 
+TEST(ReconstructionOptions, FieldsAreNamedAsOnTheCommandLine) {
+  ReconstructionOptions options;
+  options.field.type = "nerf";
+  std::string error;
+  EXPECT_FALSE(options.Check(&error));
+  EXPECT_EQ(error, "field must be grid or mlp, but is \"nerf\"");
+}
+
 TEST(ReconstructionOptions, NeighborsAreOnBothSides) {
   ReconstructionOptions options;
   std::string error;
@@ -284,13 +306,45 @@ TEST(QualityPreset, WordsGiveEverMoreWork) {
   }
 }
 
+TEST(QualityPreset, PaperIsThePaper) {
+  const ReconstructionOptions options = QualityPreset("paper");
+  std::string error;
+  EXPECT_TRUE(options.Check(&error)) << error;
+  EXPECT_EQ(options.field.type, "mlp");
+  EXPECT_EQ(options.field.mlp_num_layers, 8);
+  EXPECT_EQ(options.field.mlp_width, 256);
+  EXPECT_EQ(options.sampling.num_samples, 64);
+  EXPECT_EQ(options.sampling.num_fine_samples, 128);
+  EXPECT_EQ(options.loss.color_weight, 1);
+  EXPECT_EQ(options.loss.patch_weight, 0.025);
+  EXPECT_EQ(options.loss.patch_ssim_share, 0.85);
+  EXPECT_EQ(options.loss.patch_radius, 1);
+  EXPECT_EQ(options.loss.patch_dilation, 2);
+  EXPECT_EQ(options.loss.source_selection, "neighbors");
+  EXPECT_EQ(options.loss.num_sources, 4);
+  EXPECT_EQ(options.loss.num_best_sources, 4);
+  EXPECT_EQ(options.loss.planar_weight, 0.025);
+  EXPECT_EQ(options.loss.planar_form, "triple_product");
+  EXPECT_EQ(options.loss.planar_min_area, 1000);
+  EXPECT_EQ(options.loss.sparse_weight, 0.05);
+  EXPECT_EQ(options.loss.sparse_form, "squared");
+  EXPECT_EQ(options.loss.sparse_fraction, 0.5);
+  EXPECT_EQ(options.loss.prior_weight, 0);
+  EXPECT_EQ(options.training.num_steps, 100000);
+  EXPECT_EQ(options.training.rays_per_step, 1024);
+  EXPECT_EQ(options.training.network_learning_rate, 5e-4);
+  EXPECT_EQ(options.training.final_learning_rate_factor, 1);
+  EXPECT_EQ(options.stereo.num_iterations, 0);
+}
+
 TEST(QualityPreset, OtherWordsAreRefusedWithAList) {
   for (const char* const quality : {"", "Medium", "ultra"}) {
     try {
       QualityPreset(quality);
       FAIL() << quality;
     } catch (const std::invalid_argument& error) {
-      EXPECT_THAT(error.what(), HasSubstr("low, medium, high or extreme"));
+      EXPECT_THAT(error.what(),
+                  HasSubstr("low, medium, high, extreme or paper"));
       EXPECT_THAT(error.what(), HasSubstr("\"" + std::string(quality) + "\""));
     }
   }

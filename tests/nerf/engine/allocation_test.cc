@@ -1,7 +1,7 @@
 // Once a step of every kind was taken, training must not touch the heap: this
 // program counts all allocations.
 
-#include "nerf/engine/render_engine.h"
+#include "nerf/engine/grid_engine.h"
 #include "tests/nerf/engine/random_scene.h"
 
 #include <atomic>

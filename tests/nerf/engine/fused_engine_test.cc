@@ -1,4 +1,4 @@
-#include "nerf/engine/render_engine.h"
+#include "nerf/engine/grid_engine.h"
 #include "nerf/engine/torch_engine.h"
 #include "nerf/kernels/half_precision.h"
 #include "tests/nerf/engine/random_scene.h"

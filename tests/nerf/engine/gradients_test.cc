@@ -1,7 +1,7 @@
 // Gradients of the fused engine against those of the same engine in
 // double-precision tensor operations.
 
-#include "nerf/engine/render_engine.h"
+#include "nerf/engine/grid_engine.h"
 #include "nerf/engine/torch_engine.h"
 #include "tests/nerf/engine/random_scene.h"
 #include "tests/nerf/simd_targets.h"

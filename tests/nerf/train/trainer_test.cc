@@ -91,7 +91,7 @@ TEST_F(TrainerTest, RunsEveryStepOnce) {
   }
   EXPECT_EQ(summary.num_rays, 200u * 64);
   EXPECT_EQ(summary.num_samples, 200u * 64 * options_.sampling.num_samples);
-  EXPECT_EQ(summary.num_parameters, engine_.Layout().NumParameters());
+  EXPECT_EQ(summary.num_parameters, engine_.NumParameters());
   EXPECT_NEAR(summary.final_loss, 1, 1e-6);
   EXPECT_GT(summary.seconds, 0);
 }
@@ -135,7 +135,7 @@ TEST_F(TrainerTest, LevelsComeInFromCoarseToFine) {
 
 TEST_F(TrainerTest, OneLevelIsAlwaysOn) {
   options_.field.num_levels = 1;
-  engine_ = FakeEngine(1);
+  engine_ = FakeEngine();
   Run();
   for (const StepParameters& step : engine_.steps) {
     EXPECT_THAT(step.level_weights, ElementsAre(1.0f));

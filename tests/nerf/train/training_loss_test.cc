@@ -1,6 +1,7 @@
 // Values and derivatives of the training objective's terms. Which rays are
 // drawn is in training_objective_test.cc.
 
+#include "nerf/engine/grid_engine.h"
 #include "nerf/train/keypoints.h"
 #include "nerf/train/training_objective.h"
 #include "nerf/util/random.h"

@@ -1,0 +1,29 @@
+#pragma once
+
+#include "nerf/util/random.h"
+
+#include <vector>
+
+namespace structnerf {
+
+// One ray's points, and the intervals they stand for in the quadrature.
+struct RayPoints {
+  std::vector<float> edges;  // n + 1, z-depth, from near to far
+  std::vector<float> depth;  // n, z-depth, ascending, one in each interval
+};
+
+// `count` intervals of equal length and a point in each: anywhere with
+// `random` (training), in the middle with null (rendering). (Mildenhall et al.
+// 2020, eq. 2.)
+RayPoints StratifiedPoints(float near, float far, int count, Random* random);
+
+// The points of `coarse` and `count` more, drawn from the share of light
+// `weight` that ends in each of its intervals (Mildenhall et al. 2020, section
+// 5.2). Intervals end halfway between points. With `random` the draws are
+// jittered, else at the middles of equal shares.
+RayPoints RefinedPoints(const RayPoints& coarse,
+                        const float* weight,
+                        int count,
+                        Random* random);
+
+}  // namespace structnerf
