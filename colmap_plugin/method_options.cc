@@ -4,7 +4,11 @@ namespace structnerf {
 namespace {
 
 std::vector<OptionEntry> FieldEntries(FieldOptions* field) {
-  return {{"StructNeRF.num_levels",
+  return {{"StructNeRF.field",
+           &field->type,
+           "{grid, mlp}: hash grid, or NeRF's networks (paper), some thousand "
+           "times slower"},
+          {"StructNeRF.num_levels",
            &field->num_levels,
            "Levels of the hash grid",
            1,
@@ -28,7 +32,17 @@ std::vector<OptionEntry> FieldEntries(FieldOptions* field) {
            &field->hidden_width,
            "Width of the hidden layers {16, 32, 48, 64}",
            16,
-           64}};
+           64},
+          {"StructNeRF.mlp_num_layers",
+           &field->mlp_num_layers,
+           "Layers before density, mlp (paper: 8)",
+           1,
+           32},
+          {"StructNeRF.mlp_width",
+           &field->mlp_width,
+           "Width of these layers (paper: 256)",
+           2,
+           1024}};
 }
 
 std::vector<OptionEntry> SamplingEntries(SamplingOptions* sampling) {
@@ -39,9 +53,14 @@ std::vector<OptionEntry> SamplingEntries(SamplingOptions* sampling) {
            256},
           {"StructNeRF.num_samples",
            &sampling->num_samples,
-           "Samples of the field along a ray",
+           "Samples of the field along a ray (paper: 64)",
            1,
            64},
+          {"StructNeRF.num_fine_samples",
+           &sampling->num_fine_samples,
+           "Samples added for the fine network, mlp (paper: 128)",
+           0,
+           1024},
           {"StructNeRF.cache_resolution",
            &sampling->cache_resolution,
            "Cells of the density cache along the scene's longest side",

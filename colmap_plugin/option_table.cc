@@ -46,7 +46,8 @@ std::vector<OptionEntry> MakeOptionTable(StructNerfOptions* options) {
   std::vector<OptionEntry> table = {
       {"StructNeRF.quality",
        &options->quality,
-       "{low, medium, high, extreme}; sets the defaults of the options below"},
+       "{low, medium, high, extreme, paper}; sets the defaults of the options "
+       "below"},
       {"StructNeRF.method",
        &options->method,
        "{structnerf, nerf, dsnerf}; sets the defaults of the losses below"},

@@ -6,6 +6,7 @@
 #include "colmap_plugin/masks.h"
 #include "colmap_plugin/memory_budget.h"
 #include "colmap_plugin/scene_converter.h"
+#include "nerf/engine/torch_factory.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -214,8 +215,8 @@ void StructNerfController::LoadScene() {
     pose.cam_from_world_rotation = view.cam_from_world_rotation;
     pose.cam_from_world_translation = view.cam_from_world_translation;
   }
-  reconstructor_ = std::make_unique<Reconstructor>(std::move(scene),
-                                                   options_.reconstruction);
+  reconstructor_ = std::make_unique<Reconstructor>(
+      std::move(scene), options_.reconstruction, MakeAnyEngine);
   for (const std::string& warning : reconstructor_->Warnings()) {
     Warn(warning);
   }

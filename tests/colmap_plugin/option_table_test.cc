@@ -51,7 +51,8 @@ TEST(OptionTable, NamesAreUniqueAndEveryOptionIsExplained) {
 }
 
 TEST(OptionTable, AllPresetsAreInRange) {
-  for (const std::string quality : {"low", "medium", "high", "extreme"}) {
+  for (const std::string quality :
+       {"low", "medium", "high", "extreme", "paper"}) {
     StructNerfOptions options;
     options.reconstruction = QualityPreset(quality);
     EXPECT_EQ(CheckError(options), "") << quality;
@@ -87,8 +88,8 @@ TEST(OptionTableDeathTest, UnknownOrUnreadableOptionIsNamed) {
 // table needs the same.
 TEST(OptionTable, HasEveryOptionOfTheMethod) {
   StructNerfOptions options;
-  auto& [f1, f2, f3, f4, f5] = options.reconstruction.field;
-  auto& [s1, s2, s3, s4, s5, s6] = options.reconstruction.sampling;
+  auto& [f1, f2, f3, f4, f5, f6, f7, f8] = options.reconstruction.field;
+  auto& [s1, s2, s3, s4, s5, s6, s7] = options.reconstruction.sampling;
   auto& [l1,
          l2,
          l3,
@@ -112,10 +113,11 @@ TEST(OptionTable, HasEveryOptionOfTheMethod) {
   auto& [p1, p2, p3, p4, p5, p6, p7, p8, p9] = options.reconstruction.stereo;
   auto& [e1, e2, e3, e4] = options.reconstruction.extraction;
   std::set<const void*> fields = {
-      &f1,  &f2,  &f3,  &f4, &f5, &s1, &s2, &s3,  &s4,  &s5,  &s6,  &l1,  &l2,
-      &l3,  &l4,  &l5,  &l6, &l7, &l8, &l9, &l10, &l11, &l12, &l13, &l14, &l15,
-      &l16, &l17, &l18, &t1, &t2, &t3, &t4, &t5,  &t6,  &t7,  &t8,  &t9,  &t10,
-      &p1,  &p2,  &p3,  &p4, &p5, &p6, &p7, &p8,  &p9,  &e1,  &e2,  &e3,  &e4};
+      &f1,  &f2,  &f3,  &f4,  &f5,  &f6,  &f7,  &f8,  &s1,  &s2, &s3, &s4,
+      &s5,  &s6,  &s7,  &l1,  &l2,  &l3,  &l4,  &l5,  &l6,  &l7, &l8, &l9,
+      &l10, &l11, &l12, &l13, &l14, &l15, &l16, &l17, &l18, &t1, &t2, &t3,
+      &t4,  &t5,  &t6,  &t7,  &t8,  &t9,  &t10, &p1,  &p2,  &p3, &p4, &p5,
+      &p6,  &p7,  &p8,  &p9,  &e1,  &e2,  &e3,  &e4};
   for (const OptionEntry& entry : MakeOptionTable(&options)) {
     std::visit([&](const auto* field) { fields.erase(field); }, entry.value);
   }

@@ -35,6 +35,18 @@ TEST(EstimateMemory, GrowsWithEverythingThatCosts) {
       [](ReconstructionOptions* o) { o->training.max_image_size = 640; });
 }
 
+TEST(EstimateMemory, OfTheMlpIsThatOfItsNetworks) {
+  ReconstructionOptions options;
+  options.field.type = "mlp";
+  const size_t base = Reconstructor::EstimateMemory(options, 20, 640, 480);
+  // Grid options play no role.
+  options.field.log2_table_size = 24;
+  options.sampling.cache_resolution = 512;
+  EXPECT_EQ(Reconstructor::EstimateMemory(options, 20, 640, 480), base);
+  options.field.mlp_width = 512;
+  EXPECT_GT(Reconstructor::EstimateMemory(options, 20, 640, 480), base);
+}
+
 // Only the C library keeps count.
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__)
 size_t NumAllocatedBytes() {
