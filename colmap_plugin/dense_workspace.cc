@@ -80,6 +80,12 @@ std::string MapTypeName(const MapType type) {
   return type == MapType::kPhotometric ? "photometric" : "geometric";
 }
 
+StereoMaps ReadDepthMap(const std::string& path) {
+  StereoMaps maps;
+  ReadMat(path, 1, &maps, &maps.depth);
+  return maps;
+}
+
 DenseWorkspace::DenseWorkspace(std::string path) : path_(std::move(path)) {}
 
 std::string DenseWorkspace::ImagesPath() const {

@@ -16,6 +16,10 @@ enum class MapType { kPhotometric, kGeometric };
 // "photometric" or "geometric".
 std::string MapTypeName(MapType type);
 
+// A depth map in COLMAP's format, without normals. Throws std::runtime_error if
+// it is damaged or missing.
+StereoMaps ReadDepthMap(const std::string& path);
+
 // Paths and files of one folder in COLMAP's dense layout:
 //
 //    images/ sparse/ stereo/{depth_maps,normal_maps,consistency_graphs}/

@@ -80,7 +80,13 @@ std::vector<OptionEntry> SamplingEntries(SamplingOptions* sampling) {
            &sampling->uniform_share,
            "Share of the samples that is spread evenly along the ray",
            0,
-           1}};
+           1},
+          {"StructNeRF.guide_by_prior",
+           &sampling->guide_by_prior,
+           "Draw half of the training samples around the depth prior"},
+          {"StructNeRF.bound_by_prior",
+           &sampling->bound_by_prior,
+           "Sample rays near the depth prior only"}};
 }
 
 std::vector<OptionEntry> LossEntries(LossOptions* loss) {
@@ -167,7 +173,12 @@ std::vector<OptionEntry> LossEntries(LossOptions* loss) {
            &loss->prior_fraction,
            "Share of the training after which it has faded out",
            0,
-           1}};
+           1},
+          {"StructNeRF.dense_prior_weight",
+           &loss->dense_prior_weight,
+           "Weight of the likelihood of the depth priors of prior_path",
+           0,
+           1e6}};
 }
 
 std::vector<OptionEntry> TrainingEntries(TrainingOptions* training) {

@@ -4,6 +4,7 @@
 
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 namespace structnerf {
 namespace {
@@ -50,7 +51,15 @@ std::vector<OptionEntry> MakeOptionTable(StructNerfOptions* options) {
        "below"},
       {"StructNeRF.method",
        &options->method,
-       "{structnerf, nerf, dsnerf}; sets the defaults of the losses below"},
+       "{structnerf, nerf, dsnerf, dense_depth_prior, nerfing_mvs}; sets the "
+       "defaults of the losses below"},
+      {"StructNeRF.prior_path",
+       &options->prior_path,
+       "Folder of depth maps in COLMAP's format, or a TorchScript module that "
+       "predicts them, for the methods that need a depth prior"},
+      {"StructNeRF.prior_type",
+       &options->prior_type,
+       "Which maps of that folder {geometric, photometric}"},
       {"StructNeRF.max_memory_gb",
        &options->max_memory_gb,
        "Memory to stay within; -1 = three quarters of the machine's"},
@@ -79,12 +88,27 @@ void CheckOptions(const StructNerfOptions& options) {
   if (!error.empty()) {
     throw std::runtime_error("The option --" + error + ".");
   }
-  if (options.input_type != "geometric" &&
-      options.input_type != "photometric") {
+  for (const auto& [name, type] :
+       {std::pair("input_type", options.input_type),
+        std::pair("prior_type", options.prior_type)}) {
+    if (type != "geometric" && type != "photometric") {
+      throw std::runtime_error(std::string("The option --StructNeRF.") + name +
+                               " must be geometric or photometric, but is " +
+                               type + ".");
+    }
+  }
+  if (options.reconstruction.NeedsPrior() && options.prior_path.empty()) {
     throw std::runtime_error(
-        "The option --StructNeRF.input_type must be geometric or photometric, "
-        "but is " +
-        options.input_type + ".");
+        "The option --StructNeRF.prior_path is missing: the method " +
+        options.method +
+        " with these options needs a depth prior, a folder of depth maps or a "
+        "TorchScript module.");
+  }
+  if (!options.reconstruction.NeedsPrior() && !options.prior_path.empty()) {
+    throw std::runtime_error(
+        "The option --StructNeRF.prior_path is given, but nothing uses it; "
+        "choose --StructNeRF.method dense_depth_prior or nerfing_mvs, or set "
+        "--StructNeRF.dense_prior_weight.");
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include "colmap_plugin/cloud_fusion.h"
 #include "colmap_plugin/colmap_compat.h"
+#include "colmap_plugin/depth_priors.h"
 #include "colmap_plugin/input_check.h"
 #include "colmap_plugin/masks.h"
 #include "colmap_plugin/memory_budget.h"
@@ -206,6 +207,14 @@ void StructNerfController::LoadScene() {
           : 0;
   Scene scene =
       ConvertScene(*reconstruction_, converter_options, progress_.get());
+  if (!options_.prior_path.empty()) {
+    for (const std::string& sentence : LoadPriors(options_.prior_path,
+                                                  options_.prior_type,
+                                                  progress_.get(),
+                                                  &scene)) {
+      Warn(sentence);
+    }
+  }
   report_.num_points3D = static_cast<int>(scene.points.size());
   report_.training_image_size = converter_options.max_image_size;
   for (const View& view : scene.views) {

@@ -30,6 +30,12 @@ struct StructNerfOptions {
   std::string method = "structnerf";
   ReconstructionOptions reconstruction;
 
+  // Depth priors for what asks for them (ReconstructionOptions::NeedsPrior): a
+  // folder of depth maps in COLMAP's format, "geometric" or "photometric" ones,
+  // or a TorchScript module (nerf/prior_module.h). Empty = none.
+  std::string prior_path;
+  std::string prior_type = "geometric";
+
   // Memory to stay within, in GB; not positive = three quarters of what the
   // machine has.
   double max_memory_gb = -1;

@@ -5,6 +5,9 @@
 namespace structnerf {
 namespace {
 
+// Of Dense Depth Priors (the paper, section IV-D-3).
+constexpr double kDensePriorWeight = 0.008;
+
 // Neither hints of structure nor depth, nor stereo at the end.
 void KeepOnlyColor(ReconstructionOptions* options) {
   options->loss.patch_weight = 0;
@@ -26,9 +29,18 @@ ReconstructionOptions ApplyMethod(const std::string& method,
     options.loss.sparse_weight = sparse_weight;
     options.loss.sparse_form = "squared";
     options.loss.sparse_fraction = 1;
+  } else if (method == "dense_depth_prior") {
+    KeepOnlyColor(&options);
+    options.loss.dense_prior_weight = kDensePriorWeight;
+    options.sampling.guide_by_prior = true;
+  } else if (method == "nerfing_mvs") {
+    KeepOnlyColor(&options);
+    options.sampling.bound_by_prior = true;
   } else if (method != "structnerf") {
     throw std::invalid_argument(
-        "method must be structnerf, nerf or dsnerf, but is \"" + method + "\"");
+        "method must be structnerf, nerf, dsnerf, dense_depth_prior or "
+        "nerfing_mvs, but is \"" +
+        method + "\"");
   }
   return options;
 }

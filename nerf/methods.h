@@ -13,6 +13,10 @@ namespace structnerf {
 //   "dsnerf"      colour, and the squared error of the sparse points' depth to
 //                 the end of the training (Deng et al. 2022); set sparse_form
 //                 to "kl" for its ray-termination form
+//   "dense_depth_prior"  colour, the likelihood of the views' depth priors, and
+//                 samples around these (Roessle et al. 2022)
+//   "nerfing_mvs" colour, on rays that end near the views' depth priors, the
+//                 less they agree, the farther away (Wei et al. 2021)
 // All but the first end with the field's own depth, without matching of windows
 // (StereoOptions). Throws std::invalid_argument, listing them, for any other
 // word.

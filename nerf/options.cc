@@ -114,6 +114,10 @@ bool LossOptions::Check(std::string* error) const {
       .In("sparse_fraction", sparse_fraction, 0.0, 1.0)
       .In("prior_weight", prior_weight, 0.0, kAnyWeight)
       .In("prior_fraction", prior_fraction, 0.0, 1.0)
+      .In("dense_prior_weight", dense_prior_weight, 0.0, kAnyWeight)
+      .Require(prior_weight == 0 || dense_prior_weight == 0,
+               "prior_weight must be 0 if dense_prior_weight is not: they pull "
+               "at the same rays")
       .Report(error);
 }
 
@@ -162,6 +166,11 @@ bool ReconstructionOptions::Check(std::string* error) const {
   return field.Check(error) && sampling.Check(error) && loss.Check(error) &&
          training.Check(error) && stereo.Check(error) &&
          extraction.Check(error);
+}
+
+bool ReconstructionOptions::NeedsPrior() const {
+  return loss.dense_prior_weight > 0 || sampling.guide_by_prior ||
+         sampling.bound_by_prior;
 }
 
 ReconstructionOptions QualityPreset(const std::string& quality) {

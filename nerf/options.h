@@ -68,6 +68,14 @@ struct SamplingOptions {
   // scene collapses towards the cameras.
   double uniform_share = 0.5;
 
+  // Half of the training samples of rays with a depth prior are drawn around
+  // it.
+  bool guide_by_prior = false;
+
+  // Rays with a depth prior are sampled near it only
+  // (nerf/train/prior_agreement.h), in training and rendering.
+  bool bound_by_prior = false;
+
   bool Check(std::string* error) const;
 };
 
@@ -131,6 +139,10 @@ struct LossOptions {
   // points that lie on other surfaces, so it is off unless asked for.
   double prior_weight = 0.0;
   double prior_fraction = 0.3;
+
+  // Depth priors of the views (View::prior_depth), as their likelihood
+  // (nerf/losses/depth_likelihood.h); for the whole training.
+  double dense_prior_weight = 0.0;
 
   bool Check(std::string* error) const;
 };
@@ -218,6 +230,9 @@ struct ReconstructionOptions {
   ExtractionOptions extraction;
 
   bool Check(std::string* error) const;
+
+  // Whether anything asks for View::prior_depth.
+  bool NeedsPrior() const;
 };
 
 // The options of one of COLMAP's quality words, "low", "medium", "high" or

@@ -10,6 +10,7 @@
 #include "nerf/scene_guards.h"
 #include "nerf/stereo/depth_refinement.h"
 #include "nerf/train/checkpoint.h"
+#include "nerf/train/prior_agreement.h"
 #include "nerf/train/trainer.h"
 #include "nerf/train/training_objective.h"
 #include "nerf/view_selection.h"
@@ -114,16 +115,48 @@ class Reconstructor::Impl {
     const std::vector<std::vector<int>> training_sources =
         SelectTrainingSources(sources, options.loss, train_view_idxs);
     findings = InspectScene(scene, sources);
-    objective = std::make_unique<TrainingObjective>(scene,
-                                                    frame,
-                                                    train_view_idxs,
-                                                    training_sources,
-                                                    options.loss,
-                                                    options.training);
+    PreparePriors();
+    objective =
+        std::make_unique<TrainingObjective>(scene,
+                                            frame,
+                                            train_view_idxs,
+                                            training_sources,
+                                            options.loss,
+                                            options.training,
+                                            options.sampling.guide_by_prior);
     engine = make_engine(MakeEngineOptions(options, frame));
     patch_match = std::make_unique<PatchMatch>(
         scene, frame, objective->Views(), sources, options.stereo);
     pool = std::make_unique<ThreadPool>(options.training.num_threads);
+  }
+
+  void PreparePriors() {
+    if (!options.NeedsPrior()) {
+      return;
+    }
+    for (const int view_idx : test_view_idxs) {
+      // What was made of a held-out photograph must not help to render it.
+      scene.views[view_idx].prior_depth.clear();
+      scene.views[view_idx].prior_deviation.clear();
+    }
+    int& num_missing = findings.counts["view_without_prior"];
+    for (const int view_idx : train_view_idxs) {
+      num_missing += scene.views[view_idx].prior_depth.empty();
+    }
+    if (num_missing == static_cast<int>(train_view_idxs.size())) {
+      throw std::invalid_argument(
+          "no image has a depth prior, but dense_prior_weight, guide_by_prior "
+          "or bound_by_prior asks for one; give prior_path");
+    }
+    const PriorCounts counts = EstimatePriorDeviations(sources, &scene);
+    findings.counts["prior_behind_camera"] =
+        static_cast<int>(counts.num_points_behind);
+    findings.counts["prior_unconfirmed"] =
+        static_cast<int>(counts.num_unconfirmed);
+    if (options.sampling.bound_by_prior) {
+      findings.counts["inverted_ray_bounds"] = static_cast<int>(
+          BoundRaysByPriors(frame, &scene).num_inverted_ranges);
+    }
   }
 
   Scene scene;

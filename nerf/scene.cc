@@ -1,5 +1,6 @@
 #include "nerf/scene.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -45,6 +46,22 @@ void CheckView(const View& view) {
           prefix + "the mask does not match the image's size");
   Require(view.segments.empty() || view.segments.size() == num_pixels,
           prefix + "the segments do not match the image's size");
+  const auto are_depths = [&](const std::vector<float>& depths) {
+    return (depths.empty() || depths.size() == num_pixels) &&
+           std::all_of(depths.begin(), depths.end(), [](const float depth) {
+             return std::isfinite(depth) && depth >= 0;
+           });
+  };
+  Require(are_depths(view.prior_depth) && are_depths(view.prior_deviation) &&
+              (view.prior_deviation.empty() || !view.prior_depth.empty()),
+          prefix +
+              "the depth prior does not match the image's size or is not "
+              "finite and positive");
+  Require(are_depths(view.near_depth) && are_depths(view.far_depth) &&
+              view.near_depth.size() == view.far_depth.size(),
+          prefix +
+              "the bounds of depth do not match the image's size or are "
+              "not finite and positive");
 }
 
 }  // namespace

@@ -53,6 +53,18 @@ struct View {
   // enough to be taken for a plane (paper, section III-C), else -1.
   std::vector<int32_t> segments;
 
+  // Depth that is known from elsewhere (stereo, a depth completion network) and
+  // its standard deviation, same size as `image`, or empty: z-depth in world
+  // units, 0 = none. Deviations may be empty where depths are not, if they are
+  // unknown.
+  std::vector<float> prior_depth;
+  std::vector<float> prior_deviation;
+
+  // z-depths, world units, between which rays are sampled, same size as
+  // `image`, or empty; 0 = the whole ray.
+  std::vector<float> near_depth;
+  std::vector<float> far_depth;
+
   Eigen::Vector3d ProjectionCenter() const;
 };
 

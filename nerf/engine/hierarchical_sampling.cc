@@ -30,7 +30,11 @@ RayPoints StratifiedPoints(const float near,
 RayPoints RefinedPoints(const RayPoints& coarse,
                         const float* weight,
                         const int count,
+                        const float guide_depth,
+                        const float guide_deviation,
                         Random* random) {
+  const int num_guided = random && guide_depth > 0 ? count / 2 : 0;
+  const int num_drawn = count - num_guided;
   const int num_intervals = static_cast<int>(coarse.depth.size());
   float sum = 0;
   for (int i = 0; i < num_intervals; ++i) {
@@ -41,10 +45,10 @@ RayPoints RefinedPoints(const RayPoints& coarse,
   int interval = 0;
   float begin = 0;  // share in front of the interval
   float share = (weight[0] + kMinWeight) / sum;
-  for (int i = 0; i < count; ++i) {
+  for (int i = 0; i < num_drawn; ++i) {
     const float target =
         (static_cast<float>(i) + (random ? random->NextFloat() : 0.5f)) /
-        static_cast<float>(count);
+        static_cast<float>(num_drawn);
     while (target > begin + share && interval + 1 < num_intervals) {
       begin += share;
       ++interval;
@@ -54,6 +58,11 @@ RayPoints RefinedPoints(const RayPoints& coarse,
     points.depth.push_back(
         coarse.edges[interval] +
         where * (coarse.edges[interval + 1] - coarse.edges[interval]));
+  }
+  for (int i = 0; i < num_guided; ++i) {
+    const float z = guide_depth + guide_deviation * random->NextNormal();
+    points.depth.push_back(
+        std::min(std::max(z, coarse.edges.front()), coarse.edges.back()));
   }
   std::sort(points.depth.begin(), points.depth.end());
   points.edges.push_back(coarse.edges.front());

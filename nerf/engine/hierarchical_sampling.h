@@ -21,9 +21,15 @@ RayPoints StratifiedPoints(float near, float far, int count, Random* random);
 // `weight` that ends in each of its intervals (Mildenhall et al. 2020, section
 // 5.2). Intervals end halfway between points. With `random` the draws are
 // jittered, else at the middles of equal shares.
+//   guide_depth, guide_deviation: of a guided ray (RayTile), half of whose
+//   draws
+//     are from that normal distribution instead; depth 0 = none. Only with
+//     `random`.
 RayPoints RefinedPoints(const RayPoints& coarse,
                         const float* weight,
                         int count,
+                        float guide_depth,
+                        float guide_deviation,
                         Random* random);
 
 }  // namespace structnerf

@@ -26,6 +26,12 @@ struct RayTile {
   PerRay<float> direction_norm;  // Euclidean length per unit of z-depth
   PerRay<float> near;            // z-depth where sampling starts, > 0
   PerRay<float> far;             // z-depth where it ends, > near
+
+  // Depth and deviation that training samples also gather around; depth 0 =
+  // nowhere. Only read if `is_guided`.
+  bool is_guided = false;
+  PerRay<float> guide_depth;      // z-depth
+  PerRay<float> guide_deviation;  // > 0
 };
 
 // What is rendered for the rays of a tile, depth in field units.

@@ -16,7 +16,15 @@
 namespace structnerf {
 
 // Terms of the objective, for bookkeeping.
-enum class LossTerm { kColor, kPatch, kPlanar, kSparse, kPrior, kCount };
+enum class LossTerm {
+  kColor,
+  kPatch,
+  kPlanar,
+  kSparse,
+  kPrior,
+  kDensePrior,
+  kCount
+};
 using LossValues = std::array<double, static_cast<size_t>(LossTerm::kCount)>;
 void AddLosses(const LossValues& losses, LossValues* sum);
 

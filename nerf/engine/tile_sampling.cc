@@ -5,6 +5,27 @@
 #include <algorithm>
 
 namespace structnerf {
+namespace {
+
+// Every second inner edge of the guided rays is drawn anew.
+void GuideEdges(const RayTile& rays,
+                const int num_samples,
+                Random* random,
+                float* edges) {
+  for (int ray = 0; ray < rays.num_rays; ++ray) {
+    if (rays.guide_depth[ray] > 0) {
+      float* const ray_edges = edges + ray * (num_samples + 1);
+      for (int i = 1; i < num_samples; i += 2) {
+        const float z = rays.guide_depth[ray] +
+                        rays.guide_deviation[ray] * random->NextNormal();
+        ray_edges[i] = std::min(std::max(z, rays.near[ray]), rays.far[ray]);
+      }
+      std::sort(ray_edges + 1, ray_edges + num_samples);
+    }
+  }
+}
+
+}  // namespace
 
 void SampleTile(const RayTile& rays,
                 const DensityCache& cache,
@@ -20,6 +41,9 @@ void SampleTile(const RayTile& rays,
   }
   ChooseIntervals(rays, cache, parameters, jitter, edges);
   const int num_samples = parameters.num_samples;
+  if (rays.is_guided && random) {
+    GuideEdges(rays, num_samples, random, edges);
+  }
   for (int ray = 0; ray < rays.num_rays; ++ray) {
     const float* const ray_edges = edges + ray * (num_samples + 1);
     for (int i = 0; i < num_samples; ++i) {

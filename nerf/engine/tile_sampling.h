@@ -11,6 +11,10 @@ namespace structnerf {
 // field is evaluated. All engines sample with this function, so that they can
 // be compared.
 //
+// Half of the inner edges of a guided ray are drawn from the normal
+// distribution that guides it (Roessle et al. 2022, "Dense Depth Priors",
+// section 3.3), in training only.
+//
 //   random: with it, edges and points are jittered (training); null puts the
 //     points in the middle of evenly placed intervals (rendering).
 //   edges: rays x (num_samples + 1), z-depth.

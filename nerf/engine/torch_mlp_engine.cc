@@ -26,6 +26,8 @@ struct RayBatch {
   torch::Tensor ray_length;  // rays, length of the direction
   std::vector<float> near;
   std::vector<float> far;
+  std::vector<float> guide_depth;  // 0 = none
+  std::vector<float> guide_deviation;
 };
 
 // What both networks make of a batch.
@@ -235,6 +237,10 @@ class TorchMlpEngine : public RenderEngine {
       append(tile.direction_norm, &length);
       append(tile.near, &batch.near);
       append(tile.far, &batch.far);
+      append(tile.is_guided ? tile.guide_depth : PerRay<float>(),
+             &batch.guide_depth);
+      append(tile.is_guided ? tile.guide_deviation : PerRay<float>(),
+             &batch.guide_deviation);
     }
     const auto stack = [&](const std::vector<float>(&columns)[3]) {
       return torch::stack({MakeTensor(columns[0], type_),
@@ -306,8 +312,12 @@ class TorchMlpEngine : public RenderEngine {
       rendering.edges.clear();
       depths.clear();
       for (size_t ray = 0; ray < points.size(); ++ray) {
-        append(RefinedPoints(
-            points[ray], weight.data() + ray * num_coarse, num_fine, random));
+        append(RefinedPoints(points[ray],
+                             weight.data() + ray * num_coarse,
+                             num_fine,
+                             batch.guide_depth[ray],
+                             batch.guide_deviation[ray],
+                             random));
       }
       rendering.num_points = num_coarse + num_fine;
       rendering.fine = RenderPoints(fine_, batch, rendering.edges, depths);

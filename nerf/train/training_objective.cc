@@ -1,14 +1,11 @@
 #include "nerf/train/training_objective.h"
 
 #include "nerf/losses/planar_loss.h"
-#include "nerf/train/depth_prior.h"
-#include "nerf/train/keypoints.h"
 #include "nerf/util/random.h"
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <map>
 #include <stdexcept>
 
 namespace structnerf {
@@ -21,12 +18,6 @@ constexpr int kNumSparseRays = 4;
 
 // Distance of pixels whose colour is held out.
 constexpr int kHeldOutStride = 16;
-
-// Pixels per cell of the interpolated prior.
-constexpr int kPriorCell = 4;
-
-// A point's error counts at least this share of the mean error.
-constexpr float kMinErrorRatio = 0.1f;
 
 // Draws of four pixels until they span a stable triangle.
 constexpr int kMaxPlanarDraws = 4;
@@ -42,19 +33,6 @@ PatchLoss::Options MakePatchOptions(const LossOptions& options) {
 
 }  // namespace
 
-struct TrainingObjective::Segment {
-  int view_idx = -1;
-  size_t first_pixel = 0;  // into segment_pixels_
-  size_t num_pixels = 0;
-};
-
-struct TrainingObjective::SparseRay {
-  int view_idx = -1;
-  float x = 0;  // training image
-  float y = 0;
-  SparseTarget target;
-};
-
 // One thread's tile: which pixels were drawn and what they are compared with.
 class TrainingObjective::Tile : public TileObjective {
  public:
@@ -64,12 +42,13 @@ class TrainingObjective::Tile : public TileObjective {
     step_ = step;
     rays_ = rays;
     rays->num_rays = 0;
+    rays->is_guided = objective_.is_guided_;
     // Another substream than the one that jitters samples.
     Random random(
         ~static_cast<uint64_t>(objective_.training_options_.seed), step, tile);
     num_groups_ = 0;
     if (objective_.loss_options_.planar_weight > 0 &&
-        !objective_.segments_.empty()) {
+        !objective_.hints_.Segments().empty()) {
       for (int i = 0; i < kNumPlanarGroups; ++i) {
         DrawPlanarGroup(&random);
       }
@@ -82,7 +61,7 @@ class TrainingObjective::Tile : public TileObjective {
     }
     first_random_ray_ = rays->num_rays;
     if (objective_.loss_options_.patch_weight > 0 &&
-        !objective_.keypoints_.empty()) {
+        !objective_.hints_.Keypoints().empty()) {
       // Half of the random rays, for the patches.
       const int num_keypoint_rays = (kMaxTileRays - rays->num_rays) / 2;
       for (int i = 0; i < num_keypoint_rays; ++i) {
@@ -103,6 +82,7 @@ class TrainingObjective::Tile : public TileObjective {
     AddPlanarLoss(outputs, gradients, &losses);
     AddSparseLoss(outputs, gradients, &losses);
     AddPriorLoss(outputs, gradients, &losses);
+    AddDensePriorLoss(outputs, gradients, &losses);
     return losses;
   }
 
@@ -131,6 +111,11 @@ class TrainingObjective::Tile : public TileObjective {
     col_[ray] = std::min(static_cast<int>(x), image.width - 1);
     row_[ray] = std::min(static_cast<int>(y), image.height - 1);
     objective_.views_.geometry(view_idx).SetRay(x, y, ray, rays_);
+    if (objective_.is_guided_) {
+      const PriorDepth prior = DensePrior(ray);
+      rays_->guide_depth[ray] = prior.depth;
+      rays_->guide_deviation[ray] = prior.deviation;
+    }
   }
 
   // Every unmasked pixel is as likely as any other.
@@ -158,35 +143,42 @@ class TrainingObjective::Tile : public TileObjective {
   }
 
   void DrawSparseRay(Random* random) {
-    const SparseRay& sparse = objective_.sparse_rays_[random->NextBelow(
-        static_cast<uint32_t>(objective_.sparse_rays_.size()))];
+    const std::vector<SceneHints::SparseRay>& rays =
+        objective_.hints_.SparseRays();
+    const SceneHints::SparseRay& sparse =
+        rays[random->NextBelow(static_cast<uint32_t>(rays.size()))];
     sparse_target_[rays_->num_rays] = sparse.target;
     AddRay(sparse.view_idx, sparse.x, sparse.y);
   }
 
   void DrawKeypointRay(Random* random) {
-    const Keypoint& keypoint = objective_.keypoints_[random->NextBelow(
-        static_cast<uint32_t>(objective_.keypoints_.size()))];
+    const std::vector<SceneHints::Keypoint>& keypoints =
+        objective_.hints_.Keypoints();
+    const SceneHints::Keypoint& keypoint =
+        keypoints[random->NextBelow(static_cast<uint32_t>(keypoints.size()))];
     AddRay(keypoint.view_idx, keypoint.col + 0.5, keypoint.row + 0.5);
   }
 
   void DrawPlanarGroup(Random* random) {
-    const std::vector<double>& last = objective_.last_segment_area_;
+    const std::vector<double>& last = objective_.hints_.LastSegmentAreas();
     const size_t i =
         std::upper_bound(
             last.begin(), last.end(), random->NextFloat() * last.back()) -
         last.begin();
-    const Segment& segment =
-        objective_.segments_[std::min(i, objective_.segments_.size() - 1)];
+    const std::vector<SceneHints::Segment>& segments =
+        objective_.hints_.Segments();
+    const SceneHints::Segment& segment =
+        segments[std::min(i, segments.size() - 1)];
     const int width = objective_.views_.image(segment.view_idx).width;
     for (int draw = 0; draw < kMaxPlanarDraws; ++draw) {
       float x[4];
       float y[4];
       for (int k = 0; k < 4; ++k) {
         const uint32_t pixel =
-            objective_.segment_pixels_[segment.first_pixel +
-                                       random->NextBelow(static_cast<uint32_t>(
-                                           segment.num_pixels))];
+            objective_.hints_
+                .SegmentPixels()[segment.first_pixel +
+                                 random->NextBelow(static_cast<uint32_t>(
+                                     segment.num_pixels))];
         x[k] = static_cast<float>(pixel % width) + 0.5f;
         y[k] = static_cast<float>(pixel / width) + 0.5f;
       }
@@ -337,7 +329,8 @@ class TrainingObjective::Tile : public TileObjective {
     }
     double sum = 0;
     for (int ray = 0; ray < rays_->num_rays; ++ray) {
-      target.depth = Prior(ray);
+      target.depth = objective_.hints_.InterpolatedDepth(
+          view_idx_[ray], col_[ray], row_[ray]);
       const bool is_sparse =
           ray >= first_sparse_ray_ && ray < first_random_ray_;
       if (!is_sparse && target.depth > 0) {
@@ -347,11 +340,29 @@ class TrainingObjective::Tile : public TileObjective {
     (*losses)[static_cast<size_t>(LossTerm::kPrior)] += sum;
   }
 
-  float Prior(const int ray) const {
-    const PriorImage& prior = objective_.priors_[view_idx_[ray]];
-    const int col = std::min(col_[ray] / kPriorCell, prior.width - 1);
-    const int row = std::min(row_[ray] / kPriorCell, prior.height - 1);
-    return prior.depth[row * prior.width + col];
+  // Sparse points know better.
+  void AddDensePriorLoss(const RayOutputs& outputs,
+                         RayGradients* gradients,
+                         LossValues* losses) const {
+    const float weight =
+        static_cast<float>(objective_.loss_options_.dense_prior_weight) /
+        objective_.training_options_.rays_per_step;
+    if (weight == 0) {
+      return;
+    }
+    double sum = 0;
+    for (int ray = 0; ray < rays_->num_rays; ++ray) {
+      const PriorDepth prior = DensePrior(ray);
+      if (prior.depth > 0 && gradients->pull[ray] == 0) {
+        sum += EvaluateDepthLikelihood(
+            prior, weight, objective_.length_unit_, outputs, ray, gradients);
+      }
+    }
+    (*losses)[static_cast<size_t>(LossTerm::kDensePrior)] += sum;
+  }
+
+  PriorDepth DensePrior(const int ray) const {
+    return objective_.hints_.DensePrior(view_idx_[ray], col_[ray], row_[ray]);
   }
 
   const TrainingObjective& objective_;
@@ -374,24 +385,22 @@ TrainingObjective::TrainingObjective(
     const std::vector<int>& train_view_idxs,
     const std::vector<std::vector<int>>& sources,
     const LossOptions& loss_options,
-    const TrainingOptions& training_options)
+    const TrainingOptions& training_options,
+    const bool is_guided)
     : loss_options_(loss_options),
       training_options_(training_options),
       train_view_idxs_(train_view_idxs),
       num_tiles_((training_options.rays_per_step + kMaxTileRays - 1) /
                  kMaxTileRays),
       length_unit_(static_cast<float>(frame.median_depth)),
+      is_guided_(is_guided),
       sparse_form_(SparseFormFromName(loss_options.sparse_form)),
       planar_form_(PlanarFormFromName(loss_options.planar_form)),
       views_(scene, frame),
       patch_loss_(
-          scene, frame, views_, sources, MakePatchOptions(loss_options)) {
+          scene, frame, views_, sources, MakePatchOptions(loss_options)),
+      hints_(scene, frame, train_view_idxs, views_, loss_options) {
   CollectPixels(scene);
-  if (loss_options.patch_sampling == "keypoints") {
-    CollectKeypoints();
-  }
-  CollectSparseRays(scene, frame);
-  CollectSegments(scene);
 }
 
 TrainingObjective::~TrainingObjective() = default;
@@ -413,7 +422,7 @@ PatchCounts TrainingObjective::CountPatches() const {
 float TrainingObjective::SparseWeight(const int step) const {
   const bool is_on =
       step < loss_options_.sparse_fraction * training_options_.num_steps;
-  return is_on && !sparse_rays_.empty()
+  return is_on && !hints_.SparseRays().empty()
              ? static_cast<float>(loss_options_.sparse_weight)
              : 0.0f;
 }
@@ -443,76 +452,6 @@ void TrainingObjective::CollectPixels(const Scene& scene) {
   if (num_pixels == 0) {
     throw std::invalid_argument(
         "the masks leave no pixel to train on; black means ignored");
-  }
-}
-
-void TrainingObjective::CollectKeypoints() {
-  for (const int view_idx : train_view_idxs_) {
-    const int width = views_.image(view_idx).width;
-    for (const uint32_t pixel : SelectKeypoints(views_, view_idx)) {
-      keypoints_.push_back({view_idx,
-                            static_cast<int>(pixel % width),
-                            static_cast<int>(pixel / width)});
-    }
-  }
-}
-
-void TrainingObjective::CollectSparseRays(const Scene& scene,
-                                          const SceneFrame& frame) {
-  const std::vector<std::vector<DepthSample>> samples =
-      CollectDepthSamples(scene);
-  for (const int view_idx : train_view_idxs_) {
-    for (const DepthSample& sample : samples[view_idx]) {
-      SparseRay ray;
-      ray.view_idx = view_idx;
-      ray.x = static_cast<float>(sample.x);
-      ray.y = static_cast<float>(sample.y);
-      ray.target.depth = static_cast<float>(sample.depth * frame.scale);
-      ray.target.deviation =
-          static_cast<float>(loss_options_.sparse_deviation) *
-          std::max(sample.error_ratio, kMinErrorRatio) * ray.target.depth;
-      // The divergence distrusts a point by its deviation.
-      ray.target.weight =
-          sparse_form_ == SparseForm::kRayTermination ? 1.0f : sample.weight;
-      sparse_rays_.push_back(ray);
-    }
-  }
-  for (size_t v = 0; v < scene.views.size(); ++v) {
-    PriorImage prior;
-    prior.width = (views_.image(v).width + kPriorCell - 1) / kPriorCell;
-    prior.height = (views_.image(v).height + kPriorCell - 1) / kPriorCell;
-    prior.depth.resize(static_cast<size_t>(prior.width) * prior.height);
-    for (int row = 0; row < prior.height; ++row) {
-      for (int col = 0; col < prior.width; ++col) {
-        prior.depth[row * prior.width + col] = static_cast<float>(
-            frame.scale * InterpolateDepth(samples[v],
-                                           (col + 0.5) * kPriorCell,
-                                           (row + 0.5) * kPriorCell));
-      }
-    }
-    priors_.push_back(std::move(prior));
-  }
-}
-
-void TrainingObjective::CollectSegments(const Scene& scene) {
-  double area = 0;
-  for (const int view_idx : train_view_idxs_) {
-    const View& view = scene.views[view_idx];
-    std::map<int32_t, std::vector<uint32_t>> pixels;
-    for (size_t i = 0; i < view.segments.size(); ++i) {
-      const bool is_masked = !view.mask.empty() && view.mask[i] == 0;
-      if (view.segments[i] >= 0 && !is_masked) {
-        pixels[view.segments[i]].push_back(static_cast<uint32_t>(i));
-      }
-    }
-    for (const auto& [label, segment_pixels] : pixels) {
-      segments_.push_back(
-          {view_idx, segment_pixels_.size(), segment_pixels.size()});
-      segment_pixels_.insert(
-          segment_pixels_.end(), segment_pixels.begin(), segment_pixels.end());
-      area += static_cast<double>(segment_pixels.size());
-      last_segment_area_.push_back(area);
-    }
   }
 }
 

@@ -7,6 +7,7 @@
 #include "nerf/options.h"
 #include "nerf/scene.h"
 #include "nerf/scene_frame.h"
+#include "nerf/train/scene_hints.h"
 #include "nerf/train/training_views.h"
 
 #include <atomic>
@@ -30,12 +31,15 @@ struct PatchCounts {
 class TrainingObjective {
  public:
   // `train_view_idxs`: views whose rays are drawn; others are held out.
+  // `is_guided`: whether priors guide where rays are sampled (RayTile). Priors
+  // count where they have a deviation.
   TrainingObjective(const Scene& scene,
                     const SceneFrame& frame,
                     const std::vector<int>& train_view_idxs,
                     const std::vector<std::vector<int>>& sources,
                     const LossOptions& loss_options,
-                    const TrainingOptions& training_options);
+                    const TrainingOptions& training_options,
+                    bool is_guided = false);
   ~TrainingObjective();
 
   const TrainingViews& Views() const { return views_; }
@@ -55,27 +59,24 @@ class TrainingObjective {
 
  private:
   class Tile;
-  struct Segment;
-  struct SparseRay;
 
   // Weights of the depth hints at a step.
   float SparseWeight(int step) const;
   float PriorWeight(int step) const;
 
   void CollectPixels(const Scene& scene);
-  void CollectKeypoints();
-  void CollectSparseRays(const Scene& scene, const SceneFrame& frame);
-  void CollectSegments(const Scene& scene);
 
   const LossOptions loss_options_;
   const TrainingOptions training_options_;
   const std::vector<int> train_view_idxs_;
   int num_tiles_ = 0;
   const float length_unit_;  // of differences of depth; field units
+  const bool is_guided_;
   const SparseForm sparse_form_;
   const PlanarForm planar_form_;
   TrainingViews views_;
   PatchLoss patch_loss_;
+  SceneHints hints_;
 
   // A row of a view that is trained on.
   struct PixelRow {
@@ -84,25 +85,6 @@ class TrainingObjective {
     size_t last_pixel = 0;  // cumulative number of unmasked pixels
   };
   std::vector<PixelRow> pixel_rows_;
-  struct Keypoint {
-    int view_idx = -1;
-    int col = 0;
-    int row = 0;
-  };
-  std::vector<Keypoint> keypoints_;
-  std::vector<SparseRay> sparse_rays_;
-  std::vector<Segment> segments_;
-  std::vector<uint32_t> segment_pixels_;   // row * width + col
-  std::vector<double> last_segment_area_;  // cumulative
-
-  // Interpolated depth of every kPriorCell-th pixel, field units; 0 = none.
-  struct PriorImage {
-    int width = 0;
-    int height = 0;
-    std::vector<float> depth;
-  };
-  std::vector<PriorImage> priors_;
-
   mutable std::atomic<size_t> num_drawn_patches_ = 0;
   mutable std::atomic<size_t> num_compared_patches_ = 0;
 };

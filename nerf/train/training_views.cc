@@ -33,7 +33,16 @@ ViewGeometry::ViewGeometry(const View& view,
       field_from_pixel_(view.cam_from_world_rotation.transpose() *
                         CalibrationMatrix(camera).inverse()),
       extent_(frame.extent.cast<double>()),
-      near_(frame.near) {}
+      near_(frame.near),
+      bounds_width_(view.image.width),
+      bounds_height_(view.image.height),
+      bounds_per_x_(static_cast<double>(view.image.width) / camera.width),
+      bounds_per_y_(static_cast<double>(view.image.height) / camera.height) {
+  for (size_t i = 0; i < view.near_depth.size(); ++i) {
+    bounds_.push_back({static_cast<float>(view.near_depth[i] * frame.scale),
+                       static_cast<float>(view.far_depth[i] * frame.scale)});
+  }
+}
 
 void ViewGeometry::SetRay(const double x,
                           const double y,
@@ -56,6 +65,18 @@ void ViewGeometry::SetRay(const double x,
   rays->near[ray] = static_cast<float>(near_);
   // The cameras are inside the box, but one may look out of it from close by.
   rays->far[ray] = static_cast<float>(std::max(far, 2.0 * near_));
+  if (!bounds_.empty()) {
+    const int col =
+        std::min(static_cast<int>(x * bounds_per_x_), bounds_width_ - 1);
+    const int row =
+        std::min(static_cast<int>(y * bounds_per_y_), bounds_height_ - 1);
+    const Bounds& bounds =
+        bounds_[static_cast<size_t>(row) * bounds_width_ + col];
+    if (bounds.far > bounds.near) {
+      rays->near[ray] = bounds.near;
+      rays->far[ray] = bounds.far;
+    }
+  }
 }
 
 TrainingViews::TrainingViews(const Scene& scene, const SceneFrame& frame) {

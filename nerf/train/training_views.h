@@ -20,7 +20,8 @@ class ViewGeometry {
                const SceneFrame& frame);
 
   // Writes the ray through image point (x, y) of `camera` as ray `ray` of the
-  // tile. Rays end where they leave the scene box.
+  // tile. Rays end where they leave the scene box, or are limited to the view's
+  // bounds of depth.
   void SetRay(double x, double y, int ray, RayTile* rays) const;
 
  private:
@@ -28,6 +29,18 @@ class ViewGeometry {
   Eigen::Matrix3d field_from_pixel_;  // direction of unit depth from (x, y, 1)
   Eigen::Vector3d extent_;
   double near_;
+
+  // Bounds of depth of the view's image, field units, 0 = none; empty if there
+  // are none at all.
+  struct Bounds {
+    float near = 0;
+    float far = 0;
+  };
+  std::vector<Bounds> bounds_;
+  int bounds_width_ = 0;
+  int bounds_height_ = 0;
+  double bounds_per_x_ = 0;  // pixels of the image per pixel of `camera`
+  double bounds_per_y_ = 0;
 };
 
 // All photographs at training resolution, packed for random access from many

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 
 namespace structnerf {
@@ -24,6 +25,12 @@ class Random {
 
   // Uniform in [0, 1).
   float NextFloat() { return (NextUint32() >> 8) * (1.0f / 16777216.0f); }
+
+  // Of the standard normal distribution (Box and Muller 1958).
+  float NextNormal() {
+    const float radius = std::sqrt(-2.0f * std::log(1.0f - NextFloat()));
+    return radius * std::cos(6.2831853f * NextFloat());
+  }
 
   // Uniform in [0, bound); bound > 0.
   uint32_t NextBelow(const uint32_t bound) {

@@ -89,7 +89,7 @@ TEST(OptionTableDeathTest, UnknownOrUnreadableOptionIsNamed) {
 TEST(OptionTable, HasEveryOptionOfTheMethod) {
   StructNerfOptions options;
   auto& [f1, f2, f3, f4, f5, f6, f7, f8] = options.reconstruction.field;
-  auto& [s1, s2, s3, s4, s5, s6, s7] = options.reconstruction.sampling;
+  auto& [s1, s2, s3, s4, s5, s6, s7, s8, s9] = options.reconstruction.sampling;
   auto& [l1,
          l2,
          l3,
@@ -107,17 +107,18 @@ TEST(OptionTable, HasEveryOptionOfTheMethod) {
          l15,
          l16,
          l17,
-         l18] = options.reconstruction.loss;
+         l18,
+         l19] = options.reconstruction.loss;
   auto& [t1, t2, t3, t4, t5, t6, t7, t8, t9, t10] =
       options.reconstruction.training;
   auto& [p1, p2, p3, p4, p5, p6, p7, p8, p9] = options.reconstruction.stereo;
   auto& [e1, e2, e3, e4] = options.reconstruction.extraction;
   std::set<const void*> fields = {
-      &f1,  &f2,  &f3,  &f4,  &f5,  &f6,  &f7,  &f8,  &s1,  &s2, &s3, &s4,
-      &s5,  &s6,  &s7,  &l1,  &l2,  &l3,  &l4,  &l5,  &l6,  &l7, &l8, &l9,
-      &l10, &l11, &l12, &l13, &l14, &l15, &l16, &l17, &l18, &t1, &t2, &t3,
-      &t4,  &t5,  &t6,  &t7,  &t8,  &t9,  &t10, &p1,  &p2,  &p3, &p4, &p5,
-      &p6,  &p7,  &p8,  &p9,  &e1,  &e2,  &e3,  &e4};
+      &f1, &f2, &f3,  &f4,  &f5,  &f6,  &f7,  &f8,  &s1,  &s2,  &s3,  &s4,
+      &s5, &s6, &s7,  &s8,  &s9,  &l1,  &l2,  &l3,  &l4,  &l5,  &l6,  &l7,
+      &l8, &l9, &l10, &l11, &l12, &l13, &l14, &l15, &l16, &l17, &l18, &l19,
+      &t1, &t2, &t3,  &t4,  &t5,  &t6,  &t7,  &t8,  &t9,  &t10, &p1,  &p2,
+      &p3, &p4, &p5,  &p6,  &p7,  &p8,  &p9,  &e1,  &e2,  &e3,  &e4};
   for (const OptionEntry& entry : MakeOptionTable(&options)) {
     std::visit([&](const auto* field) { fields.erase(field); }, entry.value);
   }
@@ -138,6 +139,8 @@ TEST(OptionTable, RangesAreThoseOfTheMethod) {
   widest.reconstruction.field.max_resolution = 65536;
   widest.reconstruction.stereo.window_step = 4;
   widest.reconstruction.stereo.window_radius = 1;
+  widest.reconstruction.sampling.guide_by_prior = true;
+  widest.prior_path = "maps";
   StructNerfOptions options = widest;
   for (const OptionEntry& entry : MakeOptionTable(&options)) {
     if (entry.max_value == std::numeric_limits<double>::max()) {
@@ -169,6 +172,19 @@ TEST(OptionTable, NamesOptionOutOfRange) {
   options = StructNerfOptions();
   options.input_type = "both";
   EXPECT_THAT(CheckError(options), HasSubstr("StructNeRF.input_type"));
+}
+
+TEST(OptionTable, PriorsAreGivenWhereAndOnlyWhereTheyAreUsed) {
+  StructNerfOptions options;
+  options.prior_path = "maps";
+  EXPECT_THAT(CheckError(options), HasSubstr("StructNeRF.prior_path"));
+  options.reconstruction.loss.dense_prior_weight = 0.1;
+  EXPECT_EQ(CheckError(options), "");
+  options.prior_path.clear();
+  EXPECT_THAT(CheckError(options), HasSubstr("prior_path is missing"));
+  options.prior_path = "maps";
+  options.prior_type = "both";
+  EXPECT_THAT(CheckError(options), HasSubstr("StructNeRF.prior_type"));
 }
 
 TEST(OptionTable, TextIsThatOfAProjectFile) {

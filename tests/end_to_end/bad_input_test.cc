@@ -193,6 +193,9 @@ TEST_F(BadInputTest, WrongOptions) {
   Add({"--StructNeRF.method", "dsnerf++"});
   ExpectError("StructNeRF.method");
   options_.arguments = arguments;
+  Add({"--StructNeRF.method", "nerfing_mvs"});
+  ExpectError("--StructNeRF.prior_path");
+  options_.arguments = arguments;
   Add({"--StructNeRF.sparse_form", "huber"});
   ExpectError("StructNeRF.sparse_form");
   options_.arguments = arguments;

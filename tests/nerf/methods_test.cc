@@ -44,9 +44,29 @@ TEST(ApplyMethod, DsNerfNeverSwitchesSparseDepthOff) {
   EXPECT_EQ(options.stereo.num_iterations, 0);
 }
 
+TEST(ApplyMethod, OthersNeedPriors) {
+  const ReconstructionOptions dense =
+      ApplyMethod("dense_depth_prior", QualityPreset("medium"));
+  EXPECT_EQ(dense.loss.dense_prior_weight, 0.008);
+  EXPECT_TRUE(dense.sampling.guide_by_prior);
+  EXPECT_FALSE(dense.sampling.bound_by_prior);
+  EXPECT_EQ(dense.loss.patch_weight + dense.loss.sparse_weight, 0);
+  EXPECT_TRUE(dense.NeedsPrior());
+  const ReconstructionOptions mvs =
+      ApplyMethod("nerfing_mvs", QualityPreset("medium"));
+  EXPECT_TRUE(mvs.sampling.bound_by_prior);
+  EXPECT_EQ(mvs.loss.dense_prior_weight, 0);
+  EXPECT_EQ(mvs.loss.patch_weight + mvs.loss.sparse_weight, 0);
+  EXPECT_TRUE(mvs.NeedsPrior());
+  for (const char* const method : {"structnerf", "nerf", "dsnerf"}) {
+    EXPECT_FALSE(ApplyMethod(method, QualityPreset("medium")).NeedsPrior());
+  }
+}
+
 // Size of the field and length of the training stay those of the quality.
 TEST(ApplyMethod, WorkIsThatOfTheQuality) {
-  for (const char* const method : {"structnerf", "nerf", "dsnerf"}) {
+  for (const char* const method :
+       {"structnerf", "nerf", "dsnerf", "dense_depth_prior", "nerfing_mvs"}) {
     for (const char* const quality : {"low", "extreme"}) {
       const ReconstructionOptions before = QualityPreset(quality);
       const ReconstructionOptions after = ApplyMethod(method, before);
@@ -63,7 +83,9 @@ TEST(ApplyMethod, OtherWordsAreRefusedWithAList) {
     ApplyMethod("NeRF", ReconstructionOptions());
     FAIL();
   } catch (const std::invalid_argument& error) {
-    EXPECT_THAT(error.what(), HasSubstr("structnerf, nerf or dsnerf"));
+    EXPECT_THAT(error.what(),
+                HasSubstr("structnerf, nerf, dsnerf, dense_depth_prior or "
+                          "nerfing_mvs"));
     EXPECT_THAT(error.what(), HasSubstr("\"NeRF\""));
   }
 }

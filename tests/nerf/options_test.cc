@@ -85,6 +85,7 @@ std::vector<Setting> AllowedSettings() {
       SETTING(loss, prior_weight, 0.0),
       SETTING(loss, prior_fraction, 0.0),
       SETTING(loss, prior_fraction, 1.0),
+      SETTING(loss, dense_prior_weight, 1e6),
       SETTING(training, num_steps, 1),
       SETTING(training, rays_per_step, 32),
       SETTING(training, max_image_size, 16),
@@ -176,6 +177,7 @@ std::vector<Setting> ForbiddenSettings() {
       SETTING(loss, sparse_fraction, kNan),
       SETTING(loss, prior_weight, -1.0),
       SETTING(loss, prior_fraction, -0.1),
+      SETTING(loss, dense_prior_weight, -1.0),
       SETTING(training, num_steps, 0),
       SETTING(training, rays_per_step, 31),
       SETTING(training, rays_per_step, (1 << 20) + 1),
@@ -253,6 +255,15 @@ TEST(ReconstructionOptions, WindowsOfTooManyTapsAreRefused) {
   options.stereo.window_radius = 6;
   EXPECT_FALSE(options.Check(&error));
   EXPECT_THAT(error, HasSubstr("window_radius"));
+}
+
+TEST(ReconstructionOptions, OnePriorPullsAtARay) {
+  ReconstructionOptions options;
+  options.loss.prior_weight = 0.1;
+  options.loss.dense_prior_weight = 0.1;
+  std::string error;
+  EXPECT_FALSE(options.Check(&error));
+  EXPECT_THAT(error, HasSubstr("dense_prior_weight"));
 }
 
 TEST(ReconstructionOptions, FieldsAreNamedAsOnTheCommandLine) {

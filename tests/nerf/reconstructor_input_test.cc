@@ -1,6 +1,7 @@
 // What the method says about scenes that are wrong, and that it takes scenes
 // that are odd.
 
+#include "nerf/methods.h"
 #include "nerf/reconstructor.h"
 #include "nerf/util/random.h"
 #include "tests/nerf/plane_scene.h"
@@ -335,6 +336,54 @@ TEST(Reconstructor, HeldOutPhotographsHaveNoInfluence) {
   EXPECT_TRUE(AreEqual(TrainAndRender(scene, options), expected));
   scene.views[1].image.data[500] ^= 0xff;
   EXPECT_FALSE(AreEqual(TrainAndRender(scene, options), expected));
+}
+
+// Priors that are 4 units, the wall's depth, for the first views.
+Scene SceneWithPriors(const int num_views) {
+  Scene scene = MakeWallScene();
+  for (int v = 0; v < num_views; ++v) {
+    scene.views[v].prior_depth.assign(32 * 24, 4);
+  }
+  return scene;
+}
+
+TEST(Reconstructor, MethodsWithPriorsFollowThem) {
+  for (const char* const method : {"dense_depth_prior", "nerfing_mvs"}) {
+    SCOPED_TRACE(method);
+    ReconstructionOptions options = ApplyMethod(method, TinyOptions());
+    options.training.num_steps = 150;
+    options.loss.dense_prior_weight *= 10;
+    const auto error_of = [](const std::vector<DenseMaps>& maps) {
+      double sum = 0;
+      for (const float depth : maps[1].depth) {
+        sum += std::abs(depth - 4) / static_cast<double>(maps[1].depth.size());
+      }
+      return sum;
+    };
+    const double error = error_of(TrainAndRender(SceneWithPriors(4), options));
+    const double error_of_color = error_of(
+        TrainAndRender(MakeWallScene(), ApplyMethod("nerf", TinyOptions())));
+    EXPECT_LT(error, 0.3);
+    EXPECT_LT(error, 0.7 * error_of_color);
+  }
+}
+
+TEST(Reconstructor, MissingPriorsAreCounted) {
+  ReconstructionOptions options = ApplyMethod("nerfing_mvs", TinyOptions());
+  options.training.num_steps = 3;
+  Reconstructor reconstructor(SceneWithPriors(3), options);
+  Progress progress;
+  reconstructor.Train(&progress);
+  const auto& counts = reconstructor.Summary().guard_counts;
+  EXPECT_EQ(counts.at("view_without_prior"), 1);
+  EXPECT_EQ(counts.at("prior_behind_camera"), 0);
+  EXPECT_EQ(counts.at("inverted_ray_bounds"), 0);
+  ExpectRefused(MakeWallScene(), options, "no image has a depth prior");
+  // That of a held-out view is not looked at.
+  options.training.test_every = 4;
+  Reconstructor without_last(SceneWithPriors(4), options);
+  without_last.Train(&progress);
+  EXPECT_EQ(without_last.Summary().guard_counts.at("view_without_prior"), 0);
 }
 
 }  // namespace

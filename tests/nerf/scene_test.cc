@@ -131,5 +131,27 @@ TEST(View, ProjectionCenter) {
   EXPECT_LT((view.ProjectionCenter() - center).norm(), 1e-12);
 }
 
+TEST(Scene, PriorsHaveTheSizeOfTheImage) {
+  Scene scene = MakeValidScene();
+  scene.views[1].prior_depth.assign(300, 2);
+  scene.views[1].prior_depth[7] = 0;
+  EXPECT_NO_THROW(scene.Check());
+  scene.views[1].prior_deviation.assign(300, 0.1f);
+  EXPECT_NO_THROW(scene.Check());
+  const std::string name = "hall/second.jpg";
+  ExpectRefused([](Scene* s) { s->views[1].prior_depth.assign(299, 2); },
+                name,
+                "depth prior");
+  ExpectRefused([](Scene* s) { s->views[1].prior_deviation.assign(300, 2); },
+                name,
+                "depth prior");
+  ExpectRefused([](Scene* s) { s->views[1].prior_depth.assign(300, -1); },
+                name,
+                "depth prior");
+  ExpectRefused([](Scene* s) { s->views[1].near_depth.assign(300, 1); },
+                name,
+                "bounds of depth");
+}
+
 }  // namespace
 }  // namespace structnerf

@@ -42,7 +42,7 @@ TEST(RefinedPoints, FollowTheLight) {
   const RayPoints coarse = StratifiedPoints(1, 5, 4, nullptr);
   // A quarter ends in [2, 3), the rest in [4, 5).
   const float weight[] = {0, 0.25f, 0, 0.75f};
-  const RayPoints points = RefinedPoints(coarse, weight, 8, nullptr);
+  const RayPoints points = RefinedPoints(coarse, weight, 8, 0, 0, nullptr);
   ExpectValid(points, 12);
   EXPECT_THAT(points.depth,
               ElementsAre(1.5f,
@@ -62,7 +62,7 @@ TEST(RefinedPoints, FollowTheLight) {
 TEST(RefinedPoints, NoLightIsSampledEvenly) {
   const RayPoints coarse = StratifiedPoints(1, 5, 4, nullptr);
   const float weight[] = {0, 0, 0, 0};
-  const RayPoints points = RefinedPoints(coarse, weight, 4, nullptr);
+  const RayPoints points = RefinedPoints(coarse, weight, 4, 0, 0, nullptr);
   ExpectValid(points, 8);
   EXPECT_NEAR(points.depth[0], 1.5f, 1e-4);
   EXPECT_NEAR(points.depth[7], 4.5f, 1e-4);
@@ -76,8 +76,27 @@ TEST(RefinedPoints, JitterStaysWithinTheShares) {
     for (int i = 0; i < 6; ++i) {
       weight.push_back(random.NextFloat() < 0.5f ? 0 : random.NextFloat());
     }
-    ExpectValid(RefinedPoints(coarse, weight.data(), 16, &random), 22);
+    ExpectValid(RefinedPoints(coarse, weight.data(), 16, 0, 0, &random), 22);
   }
+}
+
+TEST(RefinedPoints, HalfGatherAroundTheGuide) {
+  Random random(3);
+  const RayPoints coarse = StratifiedPoints(1, 5, 4, nullptr);
+  const float weight[] = {1, 0, 0, 0};
+  const RayPoints points = RefinedPoints(coarse, weight, 200, 4, 0.1f, &random);
+  ExpectValid(points, 204);
+  const auto count = [&](const float begin, const float end) {
+    return std::count_if(points.depth.begin(),
+                         points.depth.end(),
+                         [&](const float z) { return z >= begin && z < end; });
+  };
+  EXPECT_NEAR(count(1, 2), 101, 1);
+  EXPECT_NEAR(count(3.9f, 4.1f), 68, 20);  // within one deviation
+  EXPECT_NEAR(count(3.6f, 4.4f), 100, 1);
+  // Rendering knows no guide.
+  EXPECT_EQ(RefinedPoints(coarse, weight, 8, 4, 0.1f, nullptr).depth,
+            RefinedPoints(coarse, weight, 8, 0, 0, nullptr).depth);
 }
 
 }  // namespace

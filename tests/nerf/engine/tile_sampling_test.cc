@@ -3,6 +3,7 @@
 #include "nerf/field/field_layout.h"
 #include "tests/nerf/engine/random_scene.h"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -127,6 +128,46 @@ TEST(TileSampling, DirectionsAreEncodedInAnOrthonormalBasis) {
                   1e-3);
     }
   }
+}
+
+TEST(TileSampling, HalfOfTheEdgesGatherAroundTheGuide) {
+  RayTile rays = RandomRays(4, 0, 0, kNumRays);
+  rays.is_guided = true;
+  for (int ray = 0; ray < kNumRays; ++ray) {
+    const float length = rays.far[ray] - rays.near[ray];
+    // The first ray has no guide, the last one's is off its end.
+    rays.guide_depth[ray] =
+        ray == 0 ? 0.0f
+                 : rays.near[ray] + (ray + 1 == kNumRays ? 2 : 0.6f) * length;
+    rays.guide_deviation[ray] = 0.01f * length;
+  }
+  constexpr int kNumSamples = 33;
+  const auto count_near = [&](const Samples& samples, const int ray) {
+    int count = 0;
+    for (int i = 1; i < kNumSamples; ++i) {
+      const float edge = samples.edges[ray * (kNumSamples + 1) + i];
+      count += std::abs(edge - rays.guide_depth[ray]) <
+               4 * rays.guide_deviation[ray];
+    }
+    return count;
+  };
+  Random random(1);
+  const Samples guided(rays, kNumSamples, &random);
+  for (int ray = 0; ray < kNumRays; ++ray) {
+    const auto begin = guided.edges.begin() + ray * (kNumSamples + 1);
+    EXPECT_TRUE(std::is_sorted(begin, begin + kNumSamples + 1));
+    EXPECT_EQ(begin[0], rays.near[ray]);
+    EXPECT_EQ(begin[kNumSamples], rays.far[ray]);
+    if (ray > 0 && ray + 1 < kNumRays) {
+      EXPECT_GE(count_near(guided, ray), kNumSamples / 2);
+    }
+  }
+  // Rendering is not guided, nor are rays of other tiles.
+  const Samples rendered(rays, kNumSamples, nullptr);
+  RayTile others = rays;
+  others.is_guided = false;
+  EXPECT_EQ(rendered.edges, Samples(others, kNumSamples, nullptr).edges);
+  EXPECT_LT(count_near(rendered, 3), kNumSamples / 3);
 }
 
 }  // namespace

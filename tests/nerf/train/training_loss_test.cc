@@ -338,6 +338,77 @@ TEST(TrainingLoss, PriorByHand) {
   EXPECT_NEAR(Value(losses, LossTerm::kPrior), 0.5 * 0.01, 1e-6);
 }
 
+// Priors of the wall's depth for one view only.
+void AddPrior(const float factor, ObjectiveScene* test) {
+  View& view = test->scene.views[1];
+  for (int row = 0; row < 18; ++row) {
+    for (int col = 0; col < 24; ++col) {
+      view.prior_depth.push_back(
+          factor *
+          static_cast<float>(test->TrueDepth({1, col + 0.5, row + 0.5}) /
+                             test->frame.scale));
+    }
+  }
+  view.prior_deviation.assign(view.prior_depth.size(), 1e-3f);
+}
+
+TEST(TrainingLoss, DensePriorPullsAtItsViewsRays) {
+  ObjectiveScene test;
+  OnlyColor(&test.loss);
+  test.loss.dense_prior_weight = 0.5;
+  AddPrior(1.1f, &test);
+  const TrainingObjective objective = test.MakeObjective();
+  const auto tile_objective = objective.MakeTileObjective();
+  double sum = 0;
+  int num_pulled = 0;
+  for (int tile = 0; tile < objective.NumTiles(); ++tile) {
+    RayTile rays;
+    tile_objective->DrawRays(0, tile, &rays);
+    EXPECT_FALSE(rays.is_guided);
+    RayOutputs outputs = test.TrueOutputs(rays);
+    for (int ray = 0; ray < rays.num_rays; ++ray) {
+      outputs.depth_variance[ray] = 1e-3f;
+    }
+    RayGradients gradients;
+    sum += Value(tile_objective->Evaluate(outputs, &gradients),
+                 LossTerm::kDensePrior);
+    for (int ray = 0; ray < rays.num_rays; ++ray) {
+      const bool has_prior = test.Identify(rays, ray).view_idx == 1;
+      EXPECT_EQ(gradients.d_depth[ray] < 0, has_prior);
+      num_pulled += has_prior;
+    }
+  }
+  EXPECT_GT(num_pulled, 10);
+  EXPECT_NE(sum, 0);
+}
+
+TEST(TrainingLoss, PriorsGuideTheirViewsRays) {
+  ObjectiveScene test;
+  AddPrior(1.1f, &test);
+  const TrainingObjective objective(test.scene,
+                                    test.frame,
+                                    test.train_view_idxs,
+                                    {{1}, {0}, {0}, {0}},
+                                    test.loss,
+                                    test.training,
+                                    /*is_guided=*/true);
+  RayTile rays;
+  objective.MakeTileObjective()->DrawRays(0, 0, &rays);
+  EXPECT_TRUE(rays.is_guided);
+  for (int ray = 0; ray < rays.num_rays; ++ray) {
+    const auto point = test.Identify(rays, ray);
+    if (point.view_idx == 1) {
+      EXPECT_NEAR(
+          rays.guide_depth[ray],
+          1.1 * test.TrueDepth({1, point.Col() + 0.5, point.Row() + 0.5}),
+          1e-4);
+      EXPECT_NEAR(rays.guide_deviation[ray], 1e-3 * test.frame.scale, 1e-6);
+    } else {
+      EXPECT_EQ(rays.guide_depth[ray], 0);
+    }
+  }
+}
+
 TEST(TrainingLoss, SparseEndsAndPriorFades) {
   ObjectiveScene test;
   test.MakeFrontal();

@@ -1,0 +1,112 @@
+#include "nerf/prior_module.h"
+
+#include "nerf/train/depth_prior.h"
+
+#include <cmath>
+#include <stdexcept>
+#include <vector>
+
+#include <torch/script.h>
+
+namespace structnerf {
+namespace {
+
+torch::Tensor ImageTensor(const RgbImage& image) {
+  const torch::Tensor bytes =
+      torch::from_blob(const_cast<uint8_t*>(image.data.data()),
+                       {1, image.height, image.width, 3},
+                       torch::kUInt8);
+  return bytes.permute({0, 3, 1, 2}).to(torch::kFloat).div(255).contiguous();
+}
+
+// The nearest point where several fall into a pixel.
+torch::Tensor SparseDepthTensor(const RgbImage& image,
+                                const std::vector<DepthSample>& samples) {
+  torch::Tensor sparse_depth =
+      torch::zeros({1, 1, image.height, image.width}, torch::kFloat);
+  auto pixels = sparse_depth.accessor<float, 4>();
+  for (const DepthSample& sample : samples) {
+    float& pixel =
+        pixels[0][0][static_cast<int>(sample.y)][static_cast<int>(sample.x)];
+    const float depth = static_cast<float>(sample.depth);
+    pixel = pixel == 0 ? depth : std::min(pixel, depth);
+  }
+  return sparse_depth;
+}
+
+bool IsPositive(const float value) { return value > 0 && std::isfinite(value); }
+
+std::vector<float> Values(const c10::IValue& element, const size_t count) {
+  if (!element.isTensor() ||
+      element.toTensor().numel() != static_cast<int64_t>(count)) {
+    throw std::runtime_error("has another size than the image");
+  }
+  const torch::Tensor flat =
+      element.toTensor().to(torch::kFloat).contiguous().flatten();
+  const float* const data = flat.data_ptr<float>();
+  return std::vector<float>(data, data + count);
+}
+
+void PredictPrior(const std::vector<DepthSample>& samples,
+                  torch::jit::Module* module,
+                  View* view) {
+  const c10::IValue output = module->forward(
+      {ImageTensor(view->image), SparseDepthTensor(view->image, samples)});
+  if (!output.isTuple() || output.toTuple()->elements().size() != 2) {
+    throw std::runtime_error("is not a tuple of depth and deviation");
+  }
+  const size_t count =
+      static_cast<size_t>(view->image.width) * view->image.height;
+  view->prior_depth = Values(output.toTuple()->elements()[0], count);
+  view->prior_deviation = Values(output.toTuple()->elements()[1], count);
+  for (size_t i = 0; i < count; ++i) {
+    float& depth = view->prior_depth[i];
+    depth = IsPositive(depth) ? depth : 0.0f;
+    float& deviation = view->prior_deviation[i];
+    deviation = IsPositive(deviation) ? deviation : depth;
+  }
+}
+
+// The first line of what LibTorch says; the rest is a trace of its own calls.
+std::string FirstLine(const std::exception& error) {
+  const std::string text = error.what();
+  return text.substr(0, text.find('\n'));
+}
+
+}  // namespace
+
+void PredictPriors(const std::string& module_path,
+                   Progress* progress,
+                   Scene* scene) {
+  const torch::NoGradGuard no_grad;
+  torch::jit::Module module;
+  try {
+    module = torch::jit::load(module_path);
+    module.eval();
+  } catch (const std::exception& error) {
+    throw std::runtime_error(
+        module_path +
+        " is not a TorchScript module that can be loaded: " + FirstLine(error));
+  }
+  const std::vector<std::vector<DepthSample>> samples =
+      CollectDepthSamples(*scene);
+  ProgressUpdate update;
+  update.stage = "Predicting depth";
+  for (size_t v = 0; v < scene->views.size(); ++v) {
+    if (progress->ShouldAbort()) {
+      throw Aborted();
+    }
+    View& view = scene->views[v];
+    try {
+      PredictPrior(samples[v], &module, &view);
+    } catch (const std::exception& error) {
+      throw std::runtime_error("What the module " + module_path +
+                               " makes of image " + view.name + " " +
+                               FirstLine(error));
+    }
+    update.fraction = static_cast<double>(v + 1) / scene->views.size();
+    progress->Report(update);
+  }
+}
+
+}  // namespace structnerf
