@@ -75,6 +75,9 @@ bool FieldOptions::Check(std::string* error) const {
       .In("mlp_num_layers", mlp_num_layers, 1, 32)
       .In("mlp_width", mlp_width, 2, 1024)
       .Require(mlp_width % 2 == 0, "mlp_width must be even")
+      .In("latent_size", latent_size, 0, 1024)
+      .Require(latent_size == 0 || type == "mlp",
+               "latent_size must be 0 unless field is mlp")
       .Report(error);
 }
 
@@ -134,6 +137,7 @@ bool TrainingOptions::Check(std::string* error) const {
       .Require(test_every != 1, "test_every must be 0 (none) or at least 2")
       .Require(num_threads == -1 || num_threads > 0,
                "num_threads must be positive, or -1 for all cores")
+      .OneOf("latent_test", latent_test, {"zero", "neighbors"})
       .Report(error);
 }
 

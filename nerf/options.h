@@ -36,6 +36,10 @@ struct FieldOptions {
   int mlp_num_layers = 8;
   int mlp_width = 256;
 
+  // Length of a latent code per photograph, beside the direction an input of
+  // colour, with "mlp" (paper, appendix: 48); 0 = none.
+  int latent_size = 0;
+
   bool Check(std::string* error) const;
 };
 
@@ -167,6 +171,10 @@ struct TrainingOptions {
 
   // Every how many views one is kept out of training to measure PSNR; 0 = none.
   int test_every = 0;
+
+  // The latent code of a view that was kept out: "zero", or the mean of its
+  // "neighbors", the nearest views before and after it that were not.
+  std::string latent_test = "zero";
 
   // -1 = all cores.
   int num_threads = -1;

@@ -124,7 +124,9 @@ class Reconstructor::Impl {
                                             options.loss,
                                             options.training,
                                             options.sampling.guide_by_prior);
-    engine = make_engine(MakeEngineOptions(options, frame));
+    EngineOptions engine_options = MakeEngineOptions(options, frame);
+    engine_options.num_views = static_cast<int>(scene.views.size());
+    engine = make_engine(engine_options);
     patch_match = std::make_unique<PatchMatch>(
         scene, frame, objective->Views(), sources, options.stereo);
     pool = std::make_unique<ThreadPool>(options.training.num_threads);

@@ -39,9 +39,9 @@ void GridEngine::ApplyLevelWeights(const FieldLayout& layout,
 }
 
 void GridEngine::SaveHead(const FieldLayout& layout,
-                            const std::vector<float>& level_weights,
-                            const int num_updates,
-                            StateWriter* writer) {
+                          const std::vector<float>& level_weights,
+                          const int num_updates,
+                          StateWriter* writer) {
   writer->WriteValue(static_cast<uint64_t>(layout.num_grid_entries));
   writer->WriteValue(static_cast<uint64_t>(layout.num_network_parameters));
   writer->WriteArray(level_weights);
@@ -49,9 +49,9 @@ void GridEngine::SaveHead(const FieldLayout& layout,
 }
 
 void GridEngine::LoadHead(const FieldLayout& layout,
-                            StateReader* reader,
-                            std::vector<float>* level_weights,
-                            int* num_updates) {
+                          StateReader* reader,
+                          std::vector<float>* level_weights,
+                          int* num_updates) {
   const auto num_grid_entries = reader->ReadValue<uint64_t>();
   const auto num_network_parameters = reader->ReadValue<uint64_t>();
   *level_weights = reader->ReadArray<std::vector<float>>();

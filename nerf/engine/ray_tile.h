@@ -27,6 +27,12 @@ struct RayTile {
   PerRay<float> near;            // z-depth where sampling starts, > 0
   PerRay<float> far;             // z-depth where it ends, > near
 
+  // The photographs whose appearance colour is to have: the mean of two latent
+  // codes (nerf/field/mlp_layout.h), -1 = a code of zeros. Only read if
+  // `has_appearance` and by fields with such codes.
+  bool has_appearance = false;
+  PerRay<int> appearance[2];  // view indices
+
   // Depth and deviation that training samples also gather around; depth 0 =
   // nowhere. Only read if `is_guided`.
   bool is_guided = false;

@@ -165,6 +165,9 @@ struct EngineOptions {
   // of the others. Less than one over the number of samples.
   float min_color_weight = 1e-4f;
 
+  // Photographs that have a latent code, for fields with such codes.
+  int num_views = 0;
+
   int num_threads = -1;
   int seed = 0;
 };

@@ -38,7 +38,8 @@ TorchMlpOutput EvaluateTorchMlp(const MlpLayout& layout,
                                 const TorchMlp& mlp,
                                 const torch::Tensor& positions,
                                 const torch::Tensor& extent,
-                                const torch::Tensor& directions) {
+                                const torch::Tensor& directions,
+                                const torch::Tensor& codes) {
   // The next of Layers().
   size_t layer_idx = 0;
   const auto apply = [&](const torch::Tensor& input) {
@@ -61,8 +62,13 @@ TorchMlpOutput EvaluateTorchMlp(const MlpLayout& layout,
       torch::clamp_min(kMlpUnitsPerFieldUnit * apply(hidden).squeeze(1),
                        std::exp(kMinRawDensity)));
   const torch::Tensor feature = apply(hidden);
-  const torch::Tensor color_hidden = torch::relu(apply(torch::cat(
-      {feature, EncodeFrequencies(directions, kDirectionFrequencies)}, 1)));
+  std::vector<torch::Tensor> color_inputs = {
+      feature, EncodeFrequencies(directions, kDirectionFrequencies)};
+  if (layout.latent_size > 0) {
+    color_inputs.push_back(codes);
+  }
+  const torch::Tensor color_hidden =
+      torch::relu(apply(torch::cat(color_inputs, 1)));
   output.color = torch::sigmoid(apply(color_hidden));
   return output;
 }

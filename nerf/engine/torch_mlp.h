@@ -32,10 +32,12 @@ struct TorchMlpOutput {
 // nerf/kernels/compositing.h takes for nothing.
 //   positions: samples x 3, field coordinates. extent: 3, of the scene box.
 //   directions: samples x 3, of unit length.
+//   codes: samples x latent_size; not read if that is 0.
 TorchMlpOutput EvaluateTorchMlp(const MlpLayout& layout,
                                 const TorchMlp& mlp,
                                 const torch::Tensor& positions,
                                 const torch::Tensor& extent,
-                                const torch::Tensor& directions);
+                                const torch::Tensor& directions,
+                                const torch::Tensor& codes);
 
 }  // namespace structnerf

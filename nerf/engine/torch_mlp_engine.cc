@@ -24,6 +24,7 @@ struct RayBatch {
   torch::Tensor origin;      // rays x 3
   torch::Tensor direction;   // rays x 3
   torch::Tensor ray_length;  // rays, length of the direction
+  torch::Tensor codes;       // rays x latent_size
   std::vector<float> near;
   std::vector<float> far;
   std::vector<float> guide_depth;  // 0 = none
@@ -50,7 +51,9 @@ class TorchMlpEngine : public RenderEngine {
     Restart(options.seed);
   }
 
-  size_t NumParameters() const override { return 2 * layout_.num_parameters; }
+  size_t NumParameters() const override {
+    return 2 * layout_.num_parameters + static_cast<size_t>(codes_.numel());
+  }
 
   // The threads are inside of the tensor operations.
   int NumThreads() const override { return 1; }
@@ -130,6 +133,10 @@ class TorchMlpEngine : public RenderEngine {
     const int64_t count = static_cast<int64_t>(layout_.num_parameters);
     coarse_ = MakeTorchMlp(layout_, values.narrow(0, 0, count));
     fine_ = MakeTorchMlp(layout_, values.narrow(0, count, count));
+    const int64_t num_code_values = values.size(0) - 2 * count;
+    codes_ = values.narrow(0, 2 * count, num_code_values)
+                 .view({-1, std::max(1, layout_.latent_size)})
+                 .clone();
     for (torch::Tensor& leaf : Leaves()) {
       leaf.requires_grad_(true);
     }
@@ -147,8 +154,9 @@ class TorchMlpEngine : public RenderEngine {
   }
 
   void Restart(const int seed) override {
-    Restore(
-        {{}, InitialMlpParameters(layout_, options_.initial_density, seed)});
+    Restore({{},
+             InitialMlpParameters(
+                 layout_, options_.num_views, options_.initial_density, seed)});
   }
 
   void SaveState(StateWriter* writer) const override {
@@ -191,6 +199,7 @@ class TorchMlpEngine : public RenderEngine {
         leaves.push_back(mlp->biases[i]);
       }
     }
+    leaves.push_back(codes_);
     return leaves;
   }
 
@@ -225,6 +234,7 @@ class TorchMlpEngine : public RenderEngine {
     std::vector<float> origin[3];
     std::vector<float> direction[3];
     std::vector<float> length;
+    std::vector<int64_t> code_idxs[2];
     for (const RayTile& tile : tiles) {
       const auto append = [&](const PerRay<float>& from,
                               std::vector<float>* to) {
@@ -235,6 +245,14 @@ class TorchMlpEngine : public RenderEngine {
         append(tile.direction[axis], &direction[axis]);
       }
       append(tile.direction_norm, &length);
+      for (int i = 0; i < 2; ++i) {
+        for (int ray = 0; ray < tile.num_rays; ++ray) {
+          const int view_idx =
+              tile.has_appearance ? tile.appearance[i][ray] : -1;
+          // Behind the codes of all views is one of zeros.
+          code_idxs[i].push_back(view_idx < 0 ? codes_.size(0) : view_idx);
+        }
+      }
       append(tile.near, &batch.near);
       append(tile.far, &batch.far);
       append(tile.is_guided ? tile.guide_depth : PerRay<float>(),
@@ -251,6 +269,14 @@ class TorchMlpEngine : public RenderEngine {
     batch.origin = stack(origin);
     batch.direction = stack(direction);
     batch.ray_length = MakeTensor(length, type_);
+    if (layout_.latent_size > 0) {
+      const torch::Tensor codes =
+          torch::cat({codes_, torch::zeros({1, layout_.latent_size}, type_)});
+      const auto select = [&](const std::vector<int64_t>& idxs) {
+        return codes.index_select(0, torch::tensor(idxs, torch::kLong));
+      };
+      batch.codes = 0.5 * (select(code_idxs[0]) + select(code_idxs[1]));
+    }
     return batch;
   }
 
@@ -268,12 +294,17 @@ class TorchMlpEngine : public RenderEngine {
         (batch.direction / batch.ray_length.unsqueeze(1))
             .unsqueeze(1)
             .expand({num_rays, n, 3});
+    torch::Tensor codes;  // of the samples
+    if (layout_.latent_size > 0) {
+      codes = batch.codes.repeat_interleave(n, 0);
+    }
     const TorchMlpOutput output =
         EvaluateTorchMlp(layout_,
                          mlp,
                          positions.reshape({num_rays * n, 3}),
                          extent_,
-                         directions.reshape({num_rays * n, 3}));
+                         directions.reshape({num_rays * n, 3}),
+                         codes);
     RenderedBatch rendered;
     rendered.raw_density = output.raw_density.view({num_rays, n});
     rendered.composite =
@@ -392,6 +423,7 @@ class TorchMlpEngine : public RenderEngine {
   torch::Tensor extent_;  // 3
   TorchMlp coarse_;
   TorchMlp fine_;
+  torch::Tensor codes_;           // views x latent_size
   std::vector<Moments> moments_;  // of Leaves()
   int num_updates_ = 0;
 };

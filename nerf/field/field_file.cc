@@ -25,9 +25,11 @@ struct Shape {
   int32_t hidden_width;
   int32_t mlp_num_layers;  // 0 = a grid
   int32_t mlp_width;
+  int32_t latent_size;
   float extent[3];
+  uint32_t reserved;
 };
-static_assert(sizeof(Shape) == 2 * 8 + 10 * 4);
+static_assert(sizeof(Shape) == 2 * 8 + 12 * 4);
 
 Shape MakeShape(const FieldOptions& options, const Eigen::Vector3f& extent) {
   Shape shape;
@@ -37,6 +39,7 @@ Shape MakeShape(const FieldOptions& options, const Eigen::Vector3f& extent) {
     shape.num_network_values = 2 * MlpLayout(options).num_parameters;
     shape.mlp_num_layers = options.mlp_num_layers;
     shape.mlp_width = options.mlp_width;
+    shape.latent_size = options.latent_size;
     return shape;
   }
   const FieldLayout layout(options, extent);
@@ -57,7 +60,10 @@ void WriteField(const std::string& path,
                 const Eigen::Vector3f& extent,
                 const FieldParameters& parameters) {
   ChecksummedFileWriter writer(kFormat, path);
-  writer.WriteValue(MakeShape(options, extent));
+  Shape shape = MakeShape(options, extent);
+  // Latent codes come on top, as many as there were photographs.
+  shape.num_network_values = parameters.network.size();
+  writer.WriteValue(shape);
   writer.Write(parameters.grid.data(), parameters.grid.size() * sizeof(float));
   writer.Write(parameters.network.data(),
                parameters.network.size() * sizeof(float));
@@ -68,8 +74,15 @@ FieldParameters ReadField(const std::string& path,
                           const FieldOptions& options,
                           const Eigen::Vector3f& extent) {
   ChecksummedFileReader reader(kFormat, path);
-  const Shape expected = MakeShape(options, extent);
+  Shape expected = MakeShape(options, extent);
   const auto shape = reader.ReadValue<Shape>();
+  if (expected.latent_size > 0 &&
+      shape.num_network_values > expected.num_network_values &&
+      (shape.num_network_values - expected.num_network_values) %
+              expected.latent_size ==
+          0) {
+    expected.num_network_values = shape.num_network_values;
+  }
   if (std::memcmp(&shape, &expected, sizeof(shape)) != 0) {
     throw std::runtime_error(
         path + " was trained with other field options or on another scene");

@@ -17,6 +17,7 @@ MlpLayout::MlpLayout(const FieldOptions& options) {
     num_parameters = layer.biases + num_outputs;
     return layer;
   };
+  latent_size = options.latent_size;
   const int width = options.mlp_width;
   const int position_width = EncodingWidth(kPositionFrequencies);
   skip_layer = options.mlp_num_layers / 2 + 1;
@@ -28,8 +29,8 @@ MlpLayout::MlpLayout(const FieldOptions& options) {
   }
   density = add_layer(width, 1);
   feature = add_layer(width, width);
-  color_hidden =
-      add_layer(width + EncodingWidth(kDirectionFrequencies), width / 2);
+  color_hidden = add_layer(
+      width + EncodingWidth(kDirectionFrequencies) + latent_size, width / 2);
   color_output = add_layer(width / 2, 3);
 }
 
@@ -40,9 +41,12 @@ std::vector<LayerLayout> MlpLayout::Layers() const {
 }
 
 std::vector<float> InitialMlpParameters(const MlpLayout& layout,
+                                        const int num_codes,
                                         const float initial_density,
                                         const uint64_t seed) {
-  std::vector<float> parameters(2 * layout.num_parameters);
+  std::vector<float> parameters(2 * layout.num_parameters +
+                                static_cast<size_t>(num_codes) *
+                                    layout.latent_size);
   for (size_t network = 0; network < 2; ++network) {
     Random random(seed, network);
     float* const values = parameters.data() + network * layout.num_parameters;

@@ -30,13 +30,16 @@ constexpr int EncodingWidth(const int num_frequencies) {
 // as in its code): rectified layers of equal width on the encoded position,
 // which comes in a second time after the middle one; from their output density,
 // and a vector that, with the encoded direction, gives colour through one
-// rectified layer of half the width.
+// rectified layer of half the width. Colour may also depend on a latent code of
+// the photograph (the paper's appendix, after Martin-Brualla et al. 2021,
+// "NeRF in the Wild").
 struct MlpLayout {
   explicit MlpLayout(const FieldOptions& options);
 
   // Index into `trunk` of the layer that sees the position again; the size of
   // `trunk` if none does.
   int skip_layer = 0;
+  int latent_size = 0;
   std::vector<LayerLayout> trunk;
   LayerLayout density;  // one output
   LayerLayout feature;  // not rectified
@@ -50,12 +53,14 @@ struct MlpLayout {
   std::vector<LayerLayout> Layers() const;
 };
 
-// Both networks' parameters, coarse before fine: uniform within 1 / sqrt(number
-// of inputs), as PyTorch's default, which NeRF's reimplementations train with.
-// The density's bias makes it start near `initial_density` (per field unit), so
-// that no field starts without any
-// light stopped, from where rectified density does not recover.
+// Both networks' parameters, coarse before fine, and `num_codes` codes of
+// zeros: those of views that are never trained on stay so. Others are uniform
+// within 1 / sqrt(number of inputs), as PyTorch's default, which NeRF's
+// reimplementations train with. The density's bias makes it start near
+// `initial_density` (per field unit), so that no field starts without any light
+// stopped, from where rectified density does not recover.
 std::vector<float> InitialMlpParameters(const MlpLayout& layout,
+                                        int num_codes,
                                         float initial_density,
                                         uint64_t seed);
 

@@ -43,6 +43,7 @@ class TrainingObjective::Tile : public TileObjective {
     rays_ = rays;
     rays->num_rays = 0;
     rays->is_guided = objective_.is_guided_;
+    rays->has_appearance = true;
     // Another substream than the one that jitters samples.
     Random random(
         ~static_cast<uint64_t>(objective_.training_options_.seed), step, tile);
@@ -110,6 +111,8 @@ class TrainingObjective::Tile : public TileObjective {
     view_idx_[ray] = view_idx;
     col_[ray] = std::min(static_cast<int>(x), image.width - 1);
     row_[ray] = std::min(static_cast<int>(y), image.height - 1);
+    rays_->appearance[0][ray] = view_idx;
+    rays_->appearance[1][ray] = view_idx;
     objective_.views_.geometry(view_idx).SetRay(x, y, ray, rays_);
     if (objective_.is_guided_) {
       const PriorDepth prior = DensePrior(ray);

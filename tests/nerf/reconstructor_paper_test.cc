@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <stdexcept>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -72,6 +73,32 @@ TEST(Reconstructor, PaperPresetLearnsAndItsFieldIsKept) {
   grid_options.field.type = "grid";
   Reconstructor grid(scene, grid_options, MakeAnyEngine);
   EXPECT_THROW(grid.LoadField(temp_dir / "field.bin"), std::runtime_error);
+}
+
+// The appendix' experiment. A photograph that was kept out is rendered with a
+// code of zeros, or that of its neighbours.
+TEST(Reconstructor, LatentCodesOfViewsKeptOut) {
+  ReconstructionOptions options = ShortPaperRun();
+  options.field.latent_size = 8;
+  options.training.test_every = 3;
+  // Photographs of different exposure.
+  Scene scene = ObjectiveScene().scene;
+  for (size_t v = 0; v < scene.views.size(); ++v) {
+    for (uint8_t& value : scene.views[v].image.data) {
+      value = static_cast<uint8_t>(value * (v == 0 ? 0.4 : 1.0));
+    }
+  }
+  Progress progress;
+  const auto psnr_of = [&](const std::string& latent_test) {
+    options.training.latent_test = latent_test;
+    Reconstructor reconstructor(scene, options, MakeAnyEngine);
+    reconstructor.Train(&progress);
+    const TempDir temp_dir;
+    reconstructor.SaveField(temp_dir / "field.bin");
+    EXPECT_NO_THROW(reconstructor.LoadField(temp_dir / "field.bin"));
+    return reconstructor.Summary().held_out_psnr;
+  };
+  EXPECT_GT(std::abs(psnr_of("neighbors") - psnr_of("zero")), 0.01);
 }
 
 TEST(Reconstructor, PaperPresetNeedsLibTorch) {

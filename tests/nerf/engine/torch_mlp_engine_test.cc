@@ -53,7 +53,7 @@ void ExpectGradient(const EngineOptions& options,
                     const size_t begin,
                     const size_t end) {
   const std::vector<float> parameters =
-      InitialMlpParameters(MlpLayout(options.field), 3, 1);
+      InitialMlpParameters(MlpLayout(options.field), options.num_views, 3, 1);
   std::vector<float> gradient;
   Evaluate(options, parameters, &gradient);
   ASSERT_EQ(gradient.size(), parameters.size());
@@ -91,7 +91,7 @@ TEST(TorchMlpEngine, GradientOfTheFineNetwork) {
 TEST(TorchMlpEngine, CoarseNetworkLearnsColor) {
   EngineOptions options = MakeOptions(12);
   const MlpLayout layout(options.field);
-  const std::vector<float> parameters = InitialMlpParameters(layout, 3, 1);
+  const std::vector<float> parameters = InitialMlpParameters(layout, 0, 3, 1);
   std::vector<float> gradient;
   Evaluate(options, parameters, &gradient);
   double coarse = 0;
@@ -214,6 +214,69 @@ TEST(TorchMlpEngine, GradientsThatAreNotFiniteChangeNothing) {
   engine->Accumulate(step, RandomObjectives(*engine, 1, 4));
   EXPECT_TRUE(engine->Update(0, 1e-2f));
   EXPECT_NE(engine->Parameters().network, before);
+}
+
+// Two views look at a wall of their own colour from the same places.
+class TwoColors : public RedWall {
+ public:
+  void DrawRays(const int step, const int tile, RayTile* rays) override {
+    RedWall::DrawRays(step, tile, rays);
+    rays->has_appearance = true;
+    for (int ray = 0; ray < kMaxTileRays; ++ray) {
+      rays->appearance[0][ray] = ray % 2;
+      rays->appearance[1][ray] = ray % 2;
+    }
+  }
+
+  LossValues Evaluate(const RayOutputs& outputs,
+                      RayGradients* gradients) override {
+    for (int ray = 0; ray < kMaxTileRays; ++ray) {
+      gradients->d_color[0][ray] =
+          2 * (outputs.color[0][ray] - (ray % 2 == 0 ? 0.9f : 0.1f));
+    }
+    return {};
+  }
+};
+
+TEST(TorchMlpEngine, CodesTellPhotographsApart) {
+  EngineOptions options = MakeOptions(12);
+  options.field.latent_size = 4;
+  options.num_views = 3;
+  const auto engine = MakeTorchMlpEngine(options, TorchPrecision::kFloat);
+  const size_t num_network_values = 2 * MlpLayout(options.field).num_parameters;
+  EXPECT_EQ(engine->NumParameters(), num_network_values + 3 * 4);
+  std::vector<std::unique_ptr<TileObjective>> objectives;
+  objectives.push_back(std::make_unique<TwoColors>());
+  for (int i = 0; i < 150; ++i) {
+    StepParameters step;
+    step.step = i;
+    step.num_tiles = 2;
+    engine->Accumulate(step, objectives);
+    EXPECT_TRUE(engine->Update(0, 1e-2f));
+  }
+  // The view that was never drawn has the code of zeros.
+  const std::vector<float> parameters = engine->Parameters().network;
+  for (int i = 0; i < 12; ++i) {
+    EXPECT_EQ(parameters[num_network_values + i] == 0, i >= 8) << i;
+  }
+  const auto mean_red = [&](const int first, const int second) {
+    std::vector<RayTile> tiles(1);
+    objectives[0]->DrawRays(1000, 0, &tiles[0]);
+    for (int ray = 0; ray < kMaxTileRays; ++ray) {
+      tiles[0].appearance[0][ray] = first;
+      tiles[0].appearance[1][ray] = second;
+    }
+    std::vector<RayOutputs> outputs;
+    engine->Render(tiles, /*with_color=*/true, &outputs);
+    return std::accumulate(
+               outputs[0].color[0].begin(), outputs[0].color[0].end(), 0.0) /
+           kMaxTileRays;
+  };
+  EXPECT_GT(mean_red(0, 0), 0.75);
+  EXPECT_LT(mean_red(1, 1), 0.25);
+  EXPECT_NEAR(mean_red(2, 2), mean_red(-1, -1), 1e-6);
+  EXPECT_GT(mean_red(0, 1), mean_red(1, 1));
+  EXPECT_LT(mean_red(0, 1), mean_red(0, 0));
 }
 
 TEST(EngineFactories, KnowTheirFields) {

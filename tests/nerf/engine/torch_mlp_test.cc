@@ -17,6 +17,7 @@ FieldOptions SmallOptions() {
   options.type = "mlp";
   options.mlp_num_layers = 4;
   options.mlp_width = 8;
+  options.latent_size = 2;
   return options;
 }
 
@@ -78,6 +79,7 @@ struct Example {
   std::vector<double> position = {0.3, 0.6, 0.45};
   std::vector<double> extent = {1, 0.8, 0.7};
   std::vector<double> direction = {0.6, 0, 0.8};
+  std::vector<double> code = {0.4, -0.7};
   std::vector<double> parameters;
 };
 
@@ -88,7 +90,8 @@ TorchMlpOutput Evaluate(const MlpLayout& layout,
                           mlp,
                           Doubles(example.position).view({1, 3}),
                           Doubles(example.extent),
-                          Doubles(example.direction).view({1, 3}));
+                          Doubles(example.direction).view({1, 3}),
+                          Doubles(example.code).view({1, -1}));
 }
 
 TEST(MlpLayout, IsThatOfNerf) {
@@ -135,8 +138,9 @@ TEST(EvaluateTorchMlp, IsTheNetworkInPlainCode) {
   std::vector<double> color_hidden =
       Apply(layout.color_hidden,
             parameters,
-            Concatenate(Apply(layout.feature, parameters, hidden),
-                        Encode(example.direction, 4)));
+            Concatenate(Concatenate(Apply(layout.feature, parameters, hidden),
+                                    Encode(example.direction, 4)),
+                        example.code));
   Rectify(&color_hidden);
   const std::vector<double> color =
       Apply(layout.color_output, parameters, color_hidden);
@@ -202,7 +206,7 @@ TEST(InitialMlpParameters, SomeLightStopsAtTheStart) {
   const MlpLayout layout(options);
   for (const uint64_t seed : {0, 1}) {
     const std::vector<float> parameters =
-        InitialMlpParameters(layout, 1.6f, seed);
+        InitialMlpParameters(layout, 0, 1.6f, seed);
     ASSERT_EQ(parameters.size(), 2 * layout.num_parameters);
     for (int network = 0; network < 2; ++network) {
       const torch::Tensor values = torch::tensor(std::vector<float>(
@@ -213,7 +217,8 @@ TEST(InitialMlpParameters, SomeLightStopsAtTheStart) {
                            MakeTorchMlp(layout, values),
                            torch::rand({100, 3}),
                            torch::ones({3}),
-                           torch::eye(3).slice(0, 0, 1).expand({100, 3}));
+                           torch::eye(3).slice(0, 0, 1).expand({100, 3}),
+                           torch::Tensor());
       const double mean = output.raw_density.exp().mean().item<double>();
       EXPECT_NEAR(mean, 1.6, 0.5);
     }
