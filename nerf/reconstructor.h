@@ -45,7 +45,7 @@ class Reconstructor {
   // Throws std::invalid_argument if the scene or the options are wrong.
   Reconstructor(Scene scene,
                 const ReconstructionOptions& options,
-                const EngineFactory& make_engine = MakeGridEngine);
+                EngineFactory make_engine = MakeGridEngine);
   ~Reconstructor();
 
   // Sentences about the scene that the user should know, e.g. views without

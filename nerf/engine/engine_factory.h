@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <memory>
 
 namespace structnerf {
@@ -11,7 +10,7 @@ struct EngineOptions;
 // Makes the engine of some options. Throws std::invalid_argument if it has none
 // for them.
 using EngineFactory =
-    std::function<std::unique_ptr<RenderEngine>(const EngineOptions& options)>;
+    std::unique_ptr<RenderEngine> (*)(const EngineOptions& options);
 
 // Knows the hash grid only. nerf/engine/torch_factory.h has the one that knows
 // every field.
