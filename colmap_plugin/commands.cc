@@ -161,10 +161,17 @@ int RunController(const DenseCommand& command) {
     return EXIT_SUCCESS;
   }
   progress.reset();  // ends the progress line before the message
+  std::string error = controller.Error();
   if (controller.GetStatus() == StructNerfController::Status::kAborted) {
-    throw std::runtime_error("Quit before the end; nothing was written.");
+    error = controller.KeptPath().empty()
+                ? "Quit before the end; nothing was written."
+                : "Quit before the end.";
   }
-  throw std::runtime_error(controller.Error());
+  if (!controller.KeptPath().empty()) {
+    error += " The same command goes on from what was done, which is in " +
+             controller.KeptPath() + ".";
+  }
+  throw std::runtime_error(error);
 }
 
 }  // namespace

@@ -12,10 +12,14 @@ static_assert(std::atomic<int>::is_always_lock_free,
               "signal handlers may not wait for locks");
 
 std::atomic<int> num_interrupts{0};
+std::atomic<int> num_terminations{0};
 struct sigaction previous_int_action;
 struct sigaction previous_term_action;
 
 void HandleInterrupt(const int signal_number) {
+  if (signal_number == SIGTERM) {
+    ++num_terminations;
+  }
   const int count =
       num_interrupts.fetch_add(signal_number == SIGTERM ? 2 : 1) + 1;
   if (count >= 3) {
@@ -27,6 +31,7 @@ void HandleInterrupt(const int signal_number) {
 
 ScopedInterrupts::ScopedInterrupts() {
   num_interrupts = 0;
+  num_terminations = 0;
   struct sigaction action = {};
   action.sa_handler = HandleInterrupt;
   sigemptyset(&action.sa_mask);
@@ -41,5 +46,7 @@ ScopedInterrupts::~ScopedInterrupts() {
 }
 
 int ScopedInterrupts::Count() { return num_interrupts; }
+
+bool ScopedInterrupts::WasTerminated() { return num_terminations > 0; }
 
 }  // namespace structnerf

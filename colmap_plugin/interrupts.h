@@ -15,6 +15,7 @@ class ScopedInterrupts {
 
   // Since the construction.
   static int Count();
+  static bool WasTerminated();  // by SIGTERM
 };
 
 }  // namespace structnerf

@@ -9,6 +9,8 @@
 namespace structnerf {
 namespace {
 
+constexpr double kMaxCheckpointMinutes = 1e6;
+
 std::string NumberText(const double number) {
   std::ostringstream stream;
   stream << number;
@@ -63,6 +65,15 @@ std::vector<OptionEntry> MakeOptionTable(StructNerfOptions* options) {
       {"StructNeRF.max_memory_gb",
        &options->max_memory_gb,
        "Memory to stay within; -1 = three quarters of the machine's"},
+      {"StructNeRF.checkpoint_minutes",
+       &options->checkpoint_minutes,
+       "Minutes between two checkpoints that a killed run goes on from; 0 = "
+       "none",
+       0,
+       kMaxCheckpointMinutes},
+      {"StructNeRF.resume",
+       &options->resume,
+       "Go on with a run that was killed; 0 = remove it and start anew"},
       {"StructNeRF.input_type",
        &options->input_type,
        "Maps that are fused {geometric, photometric}; "
@@ -87,6 +98,13 @@ void CheckOptions(const StructNerfOptions& options) {
   const std::string error = FindMethodOptionError(options.reconstruction);
   if (!error.empty()) {
     throw std::runtime_error("The option --" + error + ".");
+  }
+  if (!(options.checkpoint_minutes >= 0 &&
+        options.checkpoint_minutes <= kMaxCheckpointMinutes)) {
+    throw std::runtime_error(
+        "The option --StructNeRF.checkpoint_minutes must be between 0 and " +
+        NumberText(kMaxCheckpointMinutes) + ", but is " +
+        NumberText(options.checkpoint_minutes) + ".");
   }
   for (const auto& [name, type] :
        {std::pair("input_type", options.input_type),

@@ -120,7 +120,8 @@ MemoryPlan PlanMemory(const StructNerfOptions& options,
 
 void CheckDiskSpace(const std::string& output_path,
                     const std::vector<PinholeCamera>& cameras,
-                    const size_t num_image_bytes) {
+                    const size_t num_image_bytes,
+                    const size_t num_present_bytes) {
   fs::path existing = fs::absolute(output_path);
   while (!fs::exists(existing) && existing.has_relative_path()) {
     existing = existing.parent_path();
@@ -130,6 +131,7 @@ void CheckDiskSpace(const std::string& output_path,
     needed +=
         static_cast<size_t>(camera.width) * camera.height * kDiskBytesPerPixel;
   }
+  needed -= std::min(needed, num_present_bytes);
   std::error_code error;
   const fs::space_info space = fs::space(existing, error);
   if (!error && space.available < needed) {

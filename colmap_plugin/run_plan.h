@@ -31,9 +31,11 @@ MemoryPlan PlanMemory(const StructNerfOptions& options,
                       const std::vector<PinholeCamera>& cameras);
 
 // Throws std::runtime_error if the disk of `output_path`, which need not exist
-// yet, has clearly not enough room. `num_image_bytes` is what the images need.
+// yet, has clearly not enough room. `num_image_bytes` is what the images need,
+// `num_present_bytes` what is there already.
 void CheckDiskSpace(const std::string& output_path,
                     const std::vector<PinholeCamera>& cameras,
-                    size_t num_image_bytes);
+                    size_t num_image_bytes,
+                    size_t num_present_bytes);
 
 }  // namespace structnerf

@@ -109,6 +109,7 @@ json StagesJson(const std::vector<StageReport>& stages) {
 
 json TrainingJson(const TrainingSummary& training) {
   return {{"steps", training.num_steps},
+          {"resumed_steps", training.num_resumed_steps},
           {"stopped_early", training.stopped_early},
           {"final_loss", training.final_loss},
           {"held_out_psnr", training.held_out_psnr},

@@ -3,6 +3,7 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <stdexcept>
 
 #include <fcntl.h>
@@ -15,7 +16,11 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr char kFolderName[] = ".structnerf-partial";
+constexpr char kNotesName[] = ".resume";
 constexpr char kLockName[] = ".lock";
+
+// Lists the files that are being moved, while they are.
+constexpr char kCommitName[] = "commit";
 
 [[noreturn]] void ThrowUnwritable(const std::string& path,
                                   const std::string& reason) {
@@ -37,11 +42,106 @@ std::vector<std::string> MissingFolders(const fs::path& path) {
   return missing;
 }
 
+void RemoveFolders(const std::vector<std::string>& folders) {
+  std::error_code ignored;
+  for (auto it = folders.rbegin(); it != folders.rend(); ++it) {
+    fs::remove(*it, ignored);  // only while empty
+  }
+}
+
+// A file that is locked until it is closed; -1 if it cannot be created, -2 if
+// another process has locked it.
+int OpenLocked(const std::string& path) {
+  const int file = open(path.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0644);
+  if (file >= 0 && flock(file, LOCK_EX | LOCK_NB) != 0) {
+    close(file);
+    return -2;
+  }
+  return file;
+}
+
+// Relative paths of the files to move.
+std::vector<std::string> ListFiles(const fs::path& folder) {
+  std::vector<std::string> files;
+  for (auto it = fs::recursive_directory_iterator(folder);
+       it != fs::recursive_directory_iterator();
+       ++it) {
+    if (it->path().filename() == kNotesName) {
+      it.disable_recursion_pending();
+    } else if (!it->is_symlink() && !it->is_directory() &&
+               it->path().filename() != kLockName) {
+      files.push_back(it->path().lexically_relative(folder).string());
+    }
+  }
+  return files;
+}
+
+void WriteList(const std::string& path, const std::vector<std::string>& files) {
+  std::ofstream stream(path + ".partial", std::ios::binary);
+  for (const std::string& file : files) {
+    stream << file << '\0';
+  }
+  stream.close();
+  if (!stream) {
+    ThrowUnwritable(path, "is the disk full?");
+  }
+  fs::rename(path + ".partial", path);
+}
+
+void MoveBack(const fs::path& output_path, const fs::path& path) {
+  const fs::path list_path = path / kNotesName / kCommitName;
+  std::ifstream list(list_path, std::ios::binary);
+  for (std::string file; std::getline(list, file, '\0');) {
+    if (!fs::exists(path / file) && fs::exists(output_path / file)) {
+      fs::create_directories((path / file).parent_path());
+      fs::rename(output_path / file, path / file);
+    }
+  }
+  fs::remove(list_path);
+}
+
 }  // namespace
 
-StagedFolder::StagedFolder(const std::string& output_path)
+void StagedFolder::UndoCommit(const std::string& output_path) {
+  const fs::path path = fs::path(output_path) / kFolderName;
+  std::error_code error;
+  if (!fs::exists(path / kNotesName / kCommitName, error)) {
+    return;
+  }
+  const int lock_file = OpenLocked((path / kLockName).string());
+  if (lock_file < 0) {
+    return;  // the constructor says why
+  }
+  try {
+    MoveBack(output_path, path);
+  } catch (const fs::filesystem_error& filesystem_error) {
+    close(lock_file);
+    ThrowUnwritable(output_path, filesystem_error.code().message());
+  }
+  close(lock_file);
+}
+
+size_t StagedFolder::NumBytesLeft(const std::string& output_path) {
+  size_t num_bytes = 0;
+  std::error_code error;
+  for (auto it = fs::recursive_directory_iterator(
+           fs::path(output_path) / kFolderName, error);
+       !error && it != fs::recursive_directory_iterator();
+       it.increment(error)) {
+    std::error_code file_error;
+    const size_t size = it->is_symlink(file_error) ? 0
+                        : it->is_regular_file(file_error)
+                            ? it->file_size(file_error)
+                            : 0;
+    num_bytes += file_error ? 0 : size;
+  }
+  return num_bytes;
+}
+
+StagedFolder::StagedFolder(const std::string& output_path, const bool resume)
     : output_path_(output_path),
-      path_((fs::path(output_path) / kFolderName).string()) {
+      path_((fs::path(output_path) / kFolderName).string()),
+      notes_path_((fs::path(path_) / kNotesName).string()) {
   try {
     for (const std::string& folder : MissingFolders(output_path_)) {
       fs::create_directory(folder);
@@ -49,41 +149,44 @@ StagedFolder::StagedFolder(const std::string& output_path)
     }
     fs::create_directory(path_);
     Lock();
-    for (const auto& entry : fs::directory_iterator(path_)) {
-      if (entry.path().filename() != kLockName) {
-        fs::remove_all(entry.path());
-      }
+    if (!resume) {
+      Clear();
     }
+    fs::create_directory(notes_path_);
   } catch (const fs::filesystem_error& error) {
-    for (auto it = created_parents_.rbegin(); it != created_parents_.rend();
-         ++it) {
-      std::error_code ignored;
-      fs::remove(*it, ignored);
-    }
+    RemoveFolders(created_parents_);
     ThrowUnwritable(output_path_, error.code().message());
   }
 }
 
 StagedFolder::~StagedFolder() {
-  std::error_code ignored;
-  fs::remove_all(path_, ignored);
+  if (!kept_) {
+    // The notes first: without them, what else is left cannot be mistaken.
+    std::error_code ignored;
+    fs::remove_all(notes_path_, ignored);
+    fs::remove_all(path_, ignored);
+  }
   close(lock_file_);
-  if (!committed_) {
-    for (auto it = created_parents_.rbegin(); it != created_parents_.rend();
-         ++it) {
-      fs::remove(*it, ignored);  // only while empty
-    }
+  if (!committed_ && !kept_) {
+    RemoveFolders(created_parents_);
   }
 }
 
+void StagedFolder::Clear() {
+  for (const auto& entry : fs::directory_iterator(path_)) {
+    if (entry.path().filename() != kLockName) {
+      fs::remove_all(entry.path());
+    }
+  }
+  fs::create_directory(notes_path_);
+}
+
 void StagedFolder::Lock() {
-  const std::string lock_path = (fs::path(path_) / kLockName).string();
-  lock_file_ = open(lock_path.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0644);
-  if (lock_file_ < 0) {
+  lock_file_ = OpenLocked((fs::path(path_) / kLockName).string());
+  if (lock_file_ == -1) {
     ThrowUnwritable(output_path_, std::strerror(errno));
   }
-  if (flock(lock_file_, LOCK_EX | LOCK_NB) != 0) {
-    close(lock_file_);
+  if (lock_file_ == -2) {
     throw std::runtime_error("Another run is writing to the folder " +
                              output_path_ +
                              "; wait for it to end or choose another folder.");
@@ -91,25 +194,18 @@ void StagedFolder::Lock() {
 }
 
 void StagedFolder::Commit() {
+  const std::string list_path = (fs::path(notes_path_) / kCommitName).string();
   try {
-    std::vector<fs::path> files;
-    for (auto it = fs::recursive_directory_iterator(path_);
-         it != fs::recursive_directory_iterator();
-         ++it) {
-      const fs::path target =
-          fs::path(output_path_) / fs::relative(it->path(), path_);
-      if (it->is_symlink() || it->path().filename() == kLockName) {
-        continue;
-      } else if (it->is_directory()) {
-        fs::create_directories(target);
-      } else {
-        files.push_back(it->path());
-      }
+    const std::vector<std::string> files = ListFiles(path_);
+    WriteList(list_path, files);
+    for (const std::string& file : files) {
+      const fs::path target = fs::path(output_path_) / file;
+      fs::create_directories(target.parent_path());
+      fs::rename(fs::path(path_) / file, target);
     }
-    for (const fs::path& file : files) {
-      fs::rename(file, fs::path(output_path_) / fs::relative(file, path_));
-    }
+    fs::remove(list_path);
   } catch (const fs::filesystem_error& error) {
+    MoveBack(output_path_, path_);
     ThrowUnwritable(output_path_, error.code().message());
   }
   committed_ = true;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -7,16 +8,24 @@ namespace structnerf {
 
 // A hidden folder inside the output folder that fills up during a run. Nothing
 // of the output folder is touched before Commit(), and whatever happens before
-// it leaves the disk as it was.
+// it leaves the disk as it was, but for the hidden folder if it is kept so that
+// another run can go on from there.
 class StagedFolder {
  public:
-  // Creates `output_path` (and its parents) if missing, and the hidden folder
-  // in it; one that a killed run left behind is replaced. Throws
-  // std::runtime_error if the folder cannot be written or another run is
-  // writing there.
-  explicit StagedFolder(const std::string& output_path);
+  // What is called before anything in the output folder is looked at: puts back
+  // what a run that was killed during Commit() had moved already.
+  static void UndoCommit(const std::string& output_path);
 
-  // Removes what this object created, unless committed.
+  // Bytes that a run which was killed has left in the hidden folder.
+  static size_t NumBytesLeft(const std::string& output_path);
+
+  // Creates `output_path` (and its parents) if missing, and the hidden folder
+  // in it. What a run that was killed has left there is removed unless
+  // `resume`. Throws std::runtime_error if the folder cannot be written or
+  // another run is writing there.
+  StagedFolder(const std::string& output_path, bool resume);
+
+  // Removes what this object created, unless committed or kept.
   ~StagedFolder();
 
   StagedFolder(const StagedFolder&) = delete;
@@ -24,9 +33,19 @@ class StagedFolder {
 
   const std::string& Path() const { return path_; }
 
+  // A folder in it for what is needed as long as the run is not complete. It is
+  // not moved by Commit().
+  const std::string& NotesPath() const { return notes_path_; }
+
+  // Removes all that is in the hidden folder.
+  void Clear();
+
+  // Leaves the hidden folder for another run.
+  void Keep() { kept_ = true; }
+
   // Moves every file into the output folder, over files of the same name. Does
   // not move symbolic links. Throws std::runtime_error if a file cannot be
-  // moved.
+  // moved; all are in the hidden folder then.
   void Commit();
 
  private:
@@ -34,8 +53,10 @@ class StagedFolder {
 
   const std::string output_path_;
   const std::string path_;
+  const std::string notes_path_;
   std::vector<std::string> created_parents_;  // outermost first
   int lock_file_ = -1;
+  bool kept_ = false;
   bool committed_ = false;
 };
 

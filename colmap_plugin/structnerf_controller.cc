@@ -6,7 +6,9 @@
 #include "colmap_plugin/input_check.h"
 #include "colmap_plugin/masks.h"
 #include "colmap_plugin/memory_budget.h"
+#include "colmap_plugin/run_identity.h"
 #include "colmap_plugin/scene_converter.h"
+#include "colmap_plugin/undistorted_images.h"
 #include "nerf/engine/torch_factory.h"
 
 #include <algorithm>
@@ -38,6 +40,21 @@ const std::string& WorkspacePath(const StructNerfOptions& options) {
                                         : options.workspace_path;
 }
 
+std::string ResumeErrorText(const CheckpointMismatch& error) {
+  return std::string("A run that was ended before its time cannot go on: ") +
+         error.what() +
+         ". Give the same options and data as then, or --StructNeRF.resume 0 "
+         "to "
+         "remove what it has done.";
+}
+
+std::string DamagedCheckpointText(const CheckpointInfo& checkpoint) {
+  return checkpoint.warning + "; " +
+         (checkpoint.num_steps >= 0 ? "the one before it is used"
+                                    : "training begins anew") +
+         ".";
+}
+
 size_t TotalFileSize(const colmap::Reconstruction& reconstruction,
                      const std::string& image_path) {
   size_t num_bytes = 0;
@@ -64,6 +81,7 @@ class StructNerfController::ControllerProgress : public RunProgress {
     return progress_->ShouldStop() || controller_->CheckIfStopped();
   }
   bool ShouldAbort() override { return progress_->ShouldAbort(); }
+  bool ShouldSave() override { return progress_->ShouldSave(); }
   void BlockWhilePaused() override { progress_->BlockWhilePaused(); }
   int PreviewViewIdx() override {
     const std::string name = progress_->PreviewImage();
@@ -96,11 +114,16 @@ StructNerfController::StructNerfController(
 StructNerfController::~StructNerfController() = default;
 
 void StructNerfController::Run() {
+  bool is_refused = false;
   try {
     RunStages();
     status_ = Status::kSuccess;
   } catch (const Aborted&) {
     status_ = Status::kAborted;
+  } catch (const CheckpointMismatch& error) {
+    status_ = Status::kFailed;
+    error_ = ResumeErrorText(error);
+    is_refused = true;
   } catch (const std::bad_alloc&) {
     status_ = Status::kFailed;
     error_ =
@@ -110,15 +133,26 @@ void StructNerfController::Run() {
     status_ = Status::kFailed;
     error_ = error.what();
   }
+  const bool is_given_up = status_ == Status::kAborted &&
+                           progress_->ShouldAbort() && !progress_->ShouldSave();
+  if (status_ != Status::kSuccess && !is_given_up &&
+      staged_folder_ != nullptr && HasCheckpoint(staged_folder_->NotesPath())) {
+    staged_folder_->Keep();
+    kept_path_ = is_refused ? "" : staged_folder_->Path();
+  }
   depth_maps_.reset();
   reconstructor_.reset();
+  journal_.reset();
   staged_folder_.reset();
 }
 
 void StructNerfController::RunStages() {
+  StagedFolder::UndoCommit(WorkspacePath(options_));
   CheckInput();
-  staged_folder_ = std::make_unique<StagedFolder>(WorkspacePath(options_));
+  staged_folder_ =
+      std::make_unique<StagedFolder>(WorkspacePath(options_), options_.resume);
   workspace_ = std::make_unique<DenseWorkspace>(staged_folder_->Path());
+  PrepareToResume();
   UndistortImages();
   LoadScene();
   if (progress_->ShouldStop()) {
@@ -150,7 +184,8 @@ void StructNerfController::CheckInput() {
                  cameras,
                  HasNewWorkspace()
                      ? TotalFileSize(*reconstruction_, options_.image_path)
-                     : 0);
+                     : 0,
+                 StagedFolder::NumBytesLeft(WorkspacePath(options_)));
   memory_plan_ = PlanMemory(options_, cameras);
   options_.reconstruction.training.max_image_size = memory_plan_.max_image_size;
   report_.memory_limit = memory_plan_.limit;
@@ -159,31 +194,59 @@ void StructNerfController::CheckInput() {
   }
 }
 
+void StructNerfController::PrepareToResume() {
+  const std::string& notes_path = staged_folder_->NotesPath();
+  checkpoint_options_.folder = notes_path;
+  checkpoint_options_.interval_seconds = 60 * options_.checkpoint_minutes;
+  checkpoint_options_.run = DescribeRun(options_);
+  checkpoint_ = FindCheckpoint(checkpoint_options_);
+  if (!checkpoint_.warning.empty()) {
+    Warn(DamagedCheckpointText(checkpoint_));
+  }
+  if (checkpoint_.num_steps >= 0) {
+    progress_->Note(
+        "Going on with the run that was ended before its time, at step " +
+        std::to_string(checkpoint_.num_steps) +
+        " of the training (--StructNeRF.resume 0 starts anew).");
+  }
+  const std::string journal_path = (fs::path(notes_path) / "journal").string();
+  const std::string fingerprint = InputFingerprint(
+      *reconstruction_, options_.image_path, options_.mask_path);
+  if (checkpoint_.num_steps < 0 &&
+      !FileJournal::Exists(journal_path, fingerprint)) {
+    staged_folder_->Clear();  // of another scene, and nothing to be lost
+  }
+  journal_ = std::make_unique<FileJournal>(
+      journal_path, staged_folder_->Path(), fingerprint);
+}
+
 void StructNerfController::UndistortImages() {
   BeginStage("Undistorting images");
   mask_path_ = options_.mask_path;
   if (!HasNewWorkspace()) {
     // Fusion finds images and model beside the maps that are being made.
+    fs::remove_all(workspace_->ImagesPath());
+    fs::remove_all(workspace_->SparsePath());
     fs::create_directory_symlink(fs::canonical(options_.image_path),
                                  workspace_->ImagesPath());
     fs::create_directory_symlink(
         fs::canonical(DenseWorkspace(options_.workspace_path).SparsePath()),
         workspace_->SparsePath());
   } else {
-    size_t num_done = 0;
-    CreateUndistortedWorkspace(
-        *reconstruction_, options_.image_path, workspace_->Path(), [&]() {
-          ReportFraction(num_done++, reconstruction_->NumRegImages());
-          return progress_->ShouldStop();
-        });
-    if (progress_->ShouldStop()) {
-      throw Aborted();
-    }
-    ReportFraction(1, 1);
     if (!options_.mask_path.empty()) {
       mask_path_ = (fs::path(workspace_->ReportFolder()) / "masks").string();
-      UndistortMasks(*reconstruction_, options_.mask_path, mask_path_);
     }
+    UndistortIntoWorkspace(
+        *reconstruction_,
+        options_.image_path,
+        options_.mask_path,
+        mask_path_,
+        *workspace_,
+        [&](const size_t num_done) {
+          ReportFraction(num_done, reconstruction_->NumRegImages());
+          return progress_->ShouldStop();
+        },
+        journal_.get());
     // The order of the images in this file is what the results refer to.
     const auto undistorted = std::make_shared<colmap::Reconstruction>(
         ReadModel(workspace_->SparsePath()));
@@ -233,7 +296,7 @@ void StructNerfController::LoadScene() {
 
 void StructNerfController::Train() {
   BeginStage("Training");
-  reconstructor_->Train(progress_.get());
+  reconstructor_->Train(progress_.get(), checkpoint_options_);
   report_.training = reconstructor_->Summary();
   source_views_ = reconstructor_->SourceViews();
 }
@@ -243,20 +306,7 @@ void StructNerfController::RenderMaps() {
   depth_maps_ = std::make_unique<DepthMapCache>(
       workspace_.get(), image_names_, memory_plan_.depth_map_bytes);
   for (size_t i = 0; i < image_names_.size(); ++i) {
-    SilentProgress view_progress(progress_.get());
-    DenseMaps rendered = reconstructor_->RenderView(i, &view_progress);
-    StereoMaps maps{rendered.width,
-                    rendered.height,
-                    std::move(rendered.depth),
-                    std::move(rendered.normal)};
-    if (!mask_path_.empty()) {
-      const auto mask =
-          ReadMask(mask_path_, image_names_[i], maps.width, maps.height);
-      if (!mask.empty()) {
-        maps.KeepOnly(mask);
-      }
-    }
-    workspace_->WriteMaps(image_names_[i], MapType::kPhotometric, maps);
+    StereoMaps maps = RenderView(i);
     report_.views.push_back({image_names_[i],
                              maps.width,
                              maps.height,
@@ -268,6 +318,36 @@ void StructNerfController::RenderMaps() {
   reconstructor_->SaveField(
       (fs::path(workspace_->ReportFolder()) / "field.bin").string());
   reconstructor_.reset();
+}
+
+StereoMaps StructNerfController::RenderView(const size_t view_idx) {
+  const std::string& name = image_names_[view_idx];
+  const std::string depth_path =
+      workspace_->DepthMapPath(name, MapType::kPhotometric);
+  const std::string normal_path =
+      workspace_->NormalMapPath(name, MapType::kPhotometric);
+  // Maps of a field that was trained again from an older checkpoint do not
+  // count: training may have been stopped at another step.
+  if (checkpoint_.is_complete && journal_->IsIntact(depth_path) &&
+      journal_->IsIntact(normal_path)) {
+    return workspace_->ReadMaps(name, MapType::kPhotometric);
+  }
+  SilentProgress view_progress(progress_.get());
+  DenseMaps rendered = reconstructor_->RenderView(view_idx, &view_progress);
+  StereoMaps maps{rendered.width,
+                  rendered.height,
+                  std::move(rendered.depth),
+                  std::move(rendered.normal)};
+  if (!mask_path_.empty()) {
+    const auto mask = ReadMask(mask_path_, name, maps.width, maps.height);
+    if (!mask.empty()) {
+      maps.KeepOnly(mask);
+    }
+  }
+  workspace_->WriteMaps(name, MapType::kPhotometric, maps);
+  journal_->Add(depth_path);
+  journal_->Add(normal_path);
+  return maps;
 }
 
 void StructNerfController::CheckConsistency() {

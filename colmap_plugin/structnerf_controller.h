@@ -2,11 +2,13 @@
 
 #include "colmap_plugin/dense_workspace.h"
 #include "colmap_plugin/depth_map_cache.h"
+#include "colmap_plugin/file_journal.h"
 #include "colmap_plugin/run_plan.h"
 #include "colmap_plugin/run_progress.h"
 #include "colmap_plugin/run_report.h"
 #include "colmap_plugin/staged_folder.h"
 #include "colmap_plugin/structnerf_options.h"
+#include "nerf/checkpoint_options.h"
 #include "nerf/reconstructor.h"
 
 #include <memory>
@@ -20,7 +22,9 @@ namespace structnerf {
 
 // The dense stage: from a sparse model to depth and normal maps and a fused
 // cloud in COLMAP's dense workspace. Results appear in the workspace all at
-// once at the end; a run that fails leaves the disk as it was.
+// once at the end; a run that fails leaves the disk as it was, but for a hidden
+// folder with its checkpoints once there are any. The next run goes on from
+// there, to the same result.
 class StructNerfController : public colmap::BaseController {
  public:
   enum class Status { kNotRun, kSuccess, kFailed, kAborted };
@@ -43,6 +47,10 @@ class StructNerfController : public colmap::BaseController {
   // One sentence for people; empty unless failed.
   const std::string& Error() const { return error_; }
 
+  // The folder with all that was done, from which the same run goes on; empty
+  // if nothing was kept or this is another run.
+  const std::string& KeptPath() const { return kept_path_; }
+
   // Complete after success.
   const RunReport& Report() const { return report_; }
 
@@ -54,6 +62,9 @@ class StructNerfController : public colmap::BaseController {
   // Throws before anything is written if the input cannot work.
   void CheckInput();
 
+  // Looks for the checkpoint of a run that was killed.
+  void PrepareToResume();
+
   void UndistortImages();
   void LoadScene();
   void Train();
@@ -61,6 +72,9 @@ class StructNerfController : public colmap::BaseController {
   void CheckConsistency();
   void FusePoints();
   void WriteResults();
+
+  // The maps of a view, masked and written.
+  StereoMaps RenderView(size_t view_idx);
 
   // Why no points were fused and what to do about it.
   std::string EmptyCloudText(int min_num_pixels) const;
@@ -78,6 +92,10 @@ class StructNerfController : public colmap::BaseController {
   std::unique_ptr<StagedFolder> staged_folder_;
   std::unique_ptr<DenseWorkspace> workspace_;  // in the staged folder
   std::string mask_path_;                      // of the undistorted images
+  std::unique_ptr<FileJournal> journal_;       // of the staged folder
+  CheckpointOptions checkpoint_options_;
+  CheckpointInfo checkpoint_;  // that was found
+  std::string kept_path_;
   std::vector<std::string> image_names_;
 
   // Cameras and poses only; the reconstructor has pixels and points.

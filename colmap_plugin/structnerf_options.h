@@ -40,6 +40,13 @@ struct StructNerfOptions {
   // machine has.
   double max_memory_gb = -1;
 
+  // Time between two checkpoints of the training; 0 = none.
+  double checkpoint_minutes = 5;
+
+  // Go on with a run that was killed in the same output folder, if there is
+  // one; otherwise its remains are removed.
+  bool resume = true;
+
   // Maps that are fused: "geometric" or "photometric".
   std::string input_type = "geometric";
 

@@ -149,6 +149,10 @@ bool TerminalProgress::ShouldStop() {
 
 bool TerminalProgress::ShouldAbort() { return ScopedInterrupts::Count() >= 2; }
 
+bool TerminalProgress::ShouldSave() {
+  return ScopedInterrupts::WasTerminated();
+}
+
 void TerminalProgress::Note(const std::string& sentence) {
   PrintSentence(sentence);
 }

@@ -13,7 +13,8 @@ namespace structnerf {
 // elsewhere, a plain line at the start and end and about every tenth of a
 // stage, but not more than one per second.
 //
-// Stops and aborts as ScopedInterrupts counts Ctrl-C.
+// Stops and aborts as ScopedInterrupts counts Ctrl-C, and saves what is done if
+// it was SIGTERM.
 class TerminalProgress : public RunProgress {
  public:
   struct Options {
@@ -32,6 +33,7 @@ class TerminalProgress : public RunProgress {
   void Report(const ProgressUpdate& update) override;
   bool ShouldStop() override;
   bool ShouldAbort() override;
+  bool ShouldSave() override;
   void Note(const std::string& sentence) override;
   void Warn(const std::string& sentence) override;
 

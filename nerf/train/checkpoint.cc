@@ -130,6 +130,7 @@ std::map<std::string, std::string> DescribeScene(const Scene& scene) {
   Checksum cameras;
   Checksum photographs;
   Checksum masks;
+  Checksum priors;
   for (const View& view : scene.views) {
     AddArray(std::vector<char>(view.name.begin(), view.name.end()), &cameras);
     cameras.Add(&view.camera.width, sizeof(int));
@@ -143,6 +144,10 @@ std::map<std::string, std::string> DescribeScene(const Scene& scene) {
     AddArray(view.image.data, &photographs);
     AddArray(view.segments, &photographs);
     AddArray(view.mask, &masks);
+    AddArray(view.prior_depth, &priors);
+    AddArray(view.prior_deviation, &priors);
+    AddArray(view.near_depth, &priors);
+    AddArray(view.far_depth, &priors);
   }
   Checksum points;
   for (const SparsePoint& point : scene.points) {
@@ -158,6 +163,7 @@ std::map<std::string, std::string> DescribeScene(const Scene& scene) {
           {"checksum of the cameras and poses", cameras.Text()},
           {"checksum of the photographs", photographs.Text()},
           {"checksum of the masks", masks.Text()},
+          {"checksum of the depth priors", priors.Text()},
           {"checksum of the sparse points", points.Text()}};
 }
 

@@ -15,6 +15,7 @@ TEST(Interrupts, CountsFromZeroInEachScope) {
     EXPECT_EQ(ScopedInterrupts::Count(), 1);
     std::raise(SIGINT);
     EXPECT_EQ(ScopedInterrupts::Count(), 2);
+    EXPECT_FALSE(ScopedInterrupts::WasTerminated());
   }
   const ScopedInterrupts interrupts;
   EXPECT_EQ(ScopedInterrupts::Count(), 0);
@@ -22,8 +23,10 @@ TEST(Interrupts, CountsFromZeroInEachScope) {
 
 TEST(Interrupts, TerminationCountsAsTwo) {
   const ScopedInterrupts interrupts;
+  EXPECT_FALSE(ScopedInterrupts::WasTerminated());
   std::raise(SIGTERM);
   EXPECT_EQ(ScopedInterrupts::Count(), 2);
+  EXPECT_TRUE(ScopedInterrupts::WasTerminated());
 }
 
 void InterruptThrice() {

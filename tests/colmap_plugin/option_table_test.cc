@@ -2,6 +2,7 @@
 
 #include "colmap_plugin/colmap_compat.h"
 
+#include <cmath>
 #include <limits>
 #include <set>
 
@@ -48,6 +49,16 @@ TEST(OptionTable, NamesAreUniqueAndEveryOptionIsExplained) {
     EXPECT_FALSE(entry.help.empty()) << entry.name;
     EXPECT_LE(entry.min_value, entry.max_value) << entry.name;
   }
+}
+
+TEST(OptionTable, CheckpointMinutesHaveARange) {
+  StructNerfOptions options;
+  for (const double minutes : {-1.0, 1e7, std::nan("")}) {
+    options.checkpoint_minutes = minutes;
+    EXPECT_THAT(CheckError(options), HasSubstr("checkpoint_minutes"));
+  }
+  options.checkpoint_minutes = 0;
+  EXPECT_EQ(CheckError(options), "");
 }
 
 TEST(OptionTable, AllPresetsAreInRange) {

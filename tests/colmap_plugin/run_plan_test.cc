@@ -79,9 +79,14 @@ TEST(PlanMemory, RefusesWhatCannotFit) {
 
 TEST(CheckDiskSpace, RefusesMoreThanTheDiskHas) {
   const TempDir temp_dir;
-  EXPECT_NO_THROW(CheckDiskSpace(temp_dir / "not/there", MakeCameras(1), 0));
+  EXPECT_NO_THROW(CheckDiskSpace(temp_dir / "not/there", MakeCameras(1), 0, 0));
+  // What is there already needs no room.
+  EXPECT_NO_THROW(CheckDiskSpace(temp_dir / "not/there",
+                                 MakeCameras(1),
+                                 size_t{1} << 60,
+                                 size_t{1} << 60));
   try {
-    CheckDiskSpace(temp_dir / "not/there", MakeCameras(1), size_t{1} << 60);
+    CheckDiskSpace(temp_dir / "not/there", MakeCameras(1), size_t{1} << 60, 0);
     FAIL();
   } catch (const std::runtime_error& error) {
     EXPECT_THAT(error.what(), HasSubstr(temp_dir / "not/there"));

@@ -6,6 +6,8 @@
 #include <fstream>
 #include <iterator>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -29,7 +31,7 @@ std::string ReadText(const std::string& path) {
 
 std::string ErrorOf(const std::string& output_path) {
   try {
-    StagedFolder folder(output_path);
+    StagedFolder folder(output_path, /*resume=*/false);
   } catch (const std::runtime_error& error) {
     return error.what();
   }
@@ -42,7 +44,7 @@ TEST(StagedFolder, CommitMovesFilesOverOldOnes) {
   WriteText(output + "/stereo/a.bin", "old");
   WriteText(output + "/stereo/other.bin", "kept");
   {
-    StagedFolder folder(output);
+    StagedFolder folder(output, /*resume=*/false);
     WriteText(folder.Path() + "/stereo/a.bin", "new");
     WriteText(folder.Path() + "/deep/er/b.bin", "b");
     EXPECT_EQ(ReadText(output + "/stereo/a.bin"), "old");
@@ -58,13 +60,13 @@ TEST(StagedFolder, CommitMovesFilesOverOldOnes) {
 TEST(StagedFolder, WithoutCommitTheDiskIsAsBefore) {
   const TempDir temp_dir;
   {
-    StagedFolder folder(temp_dir / "not/yet/there");
+    StagedFolder folder(temp_dir / "not/yet/there", /*resume=*/false);
     WriteText(folder.Path() + "/a.bin", "a");
   }
   EXPECT_TRUE(fs::is_empty(temp_dir.Path()));
 
   WriteText(temp_dir / "out/mine.txt", "mine");
-  { StagedFolder folder(temp_dir / "out"); }
+  { StagedFolder folder(temp_dir / "out", /*resume=*/false); }
   EXPECT_EQ(ReadText(temp_dir / "out/mine.txt"), "mine");
   EXPECT_EQ(std::distance(fs::directory_iterator(temp_dir / "out"), {}), 1);
 }
@@ -72,7 +74,7 @@ TEST(StagedFolder, WithoutCommitTheDiskIsAsBefore) {
 TEST(StagedFolder, TrailingSlashIsNoFolder) {
   const TempDir temp_dir;
   {
-    StagedFolder folder(temp_dir / "out/");
+    StagedFolder folder(temp_dir / "out/", /*resume=*/false);
     WriteText(folder.Path() + "/a.bin", "a");
     folder.Commit();
   }
@@ -83,17 +85,108 @@ TEST(StagedFolder, ReplacesWhatAKilledRunLeft) {
   const TempDir temp_dir;
   std::string path;
   {
-    StagedFolder folder(temp_dir / "out");
+    StagedFolder folder(temp_dir / "out", /*resume=*/false);
     path = folder.Path();
   }
   WriteText(path + "/stereo/left.bin", "left");
-  StagedFolder folder(temp_dir / "out");
+  StagedFolder folder(temp_dir / "out", /*resume=*/false);
   EXPECT_FALSE(fs::exists(path + "/stereo"));
+}
+
+TEST(StagedFolder, KeepsWhatAnotherRunGoesOnFrom) {
+  const TempDir temp_dir;
+  const std::string output = temp_dir / "new/out";
+  {
+    StagedFolder folder(output, /*resume=*/true);
+    WriteText(folder.Path() + "/a.bin", "a");
+    WriteText(folder.NotesPath() + "/note", "note");
+    folder.Keep();
+  }
+  EXPECT_EQ(StagedFolder::NumBytesLeft(output), 5u);
+  {
+    StagedFolder folder(output, /*resume=*/true);
+    EXPECT_EQ(ReadText(folder.Path() + "/a.bin"), "a");
+    EXPECT_EQ(ReadText(folder.NotesPath() + "/note"), "note");
+    folder.Commit();
+  }
+  // The notes are of no use any more.
+  EXPECT_EQ(ReadText(output + "/a.bin"), "a");
+  EXPECT_EQ(std::distance(fs::directory_iterator(output), {}), 1);
+  EXPECT_EQ(StagedFolder::NumBytesLeft(output), 0u);
+}
+
+TEST(StagedFolder, ClearsAllButTheFolders) {
+  const TempDir temp_dir;
+  StagedFolder folder(temp_dir / "out", /*resume=*/true);
+  WriteText(folder.Path() + "/stereo/a.bin", "a");
+  WriteText(folder.NotesPath() + "/note", "note");
+  folder.Clear();
+  EXPECT_EQ(StagedFolder::NumBytesLeft(temp_dir / "out"), 0u);
+  EXPECT_TRUE(fs::is_empty(folder.NotesPath()));
+  EXPECT_THAT(ErrorOf(temp_dir / "out"), HasSubstr("Another run"));
+}
+
+// Every moment at which a run can be killed while it moves its files: so many
+// are moved, the next is not.
+TEST(StagedFolder, UndoesACommitThatWasKilled) {
+  for (int num_moved = 0; num_moved <= 3; ++num_moved) {
+    const TempDir temp_dir;
+    const std::string output = temp_dir / "out";
+    const std::vector<std::string> names = {"a.bin", "deep/er/b.bin", "c.bin"};
+    std::string path;
+    {
+      StagedFolder folder(output, /*resume=*/true);
+      path = folder.Path();
+      std::ofstream list(folder.NotesPath() + "/commit", std::ios::binary);
+      for (int i = 0; i < 3; ++i) {
+        WriteText((i < num_moved ? output : path) + "/" + names[i], names[i]);
+        list << names[i] << '\0';
+      }
+      folder.Keep();
+    }
+    WriteText(output + "/mine.txt", "mine");
+    StagedFolder::UndoCommit(output);
+    StagedFolder::UndoCommit(output);
+    for (const std::string& name : names) {
+      EXPECT_FALSE(fs::exists(output + "/" + name));
+      EXPECT_EQ(ReadText(path + "/" + name), name);
+    }
+    EXPECT_EQ(ReadText(output + "/mine.txt"), "mine");
+    StagedFolder folder(output, /*resume=*/true);
+    folder.Commit();
+    EXPECT_EQ(ReadText(output + "/deep/er/b.bin"), "deep/er/b.bin");
+  }
+}
+
+// The second file cannot be moved to where a folder is.
+TEST(StagedFolder, ACommitThatFailsIsUndone) {
+  const TempDir temp_dir;
+  const std::string output = temp_dir / "out";
+  WriteText(output + "/b.bin/file", "in the way");
+  StagedFolder folder(output, /*resume=*/true);
+  for (const char* name : {"a.bin", "b.bin", "c.bin"}) {
+    WriteText(folder.Path() + "/" + name, name);
+  }
+  EXPECT_THROW(folder.Commit(), std::runtime_error);
+  for (const char* name : {"a.bin", "b.bin", "c.bin"}) {
+    EXPECT_EQ(ReadText(folder.Path() + "/" + name), name);
+  }
+  EXPECT_EQ(std::distance(fs::directory_iterator(output), {}), 2);
+}
+
+TEST(StagedFolder, ACommitInProgressIsNotUndone) {
+  const TempDir temp_dir;
+  StagedFolder folder(temp_dir / "out", /*resume=*/true);
+  WriteText(temp_dir / "out/a.bin", "a");
+  std::ofstream(folder.NotesPath() + "/commit", std::ios::binary)
+      << "a.bin" << '\0';
+  StagedFolder::UndoCommit(temp_dir / "out");
+  EXPECT_EQ(ReadText(temp_dir / "out/a.bin"), "a");
 }
 
 TEST(StagedFolder, RefusesASecondRun) {
   const TempDir temp_dir;
-  StagedFolder folder(temp_dir / "out");
+  StagedFolder folder(temp_dir / "out", /*resume=*/false);
   WriteText(folder.Path() + "/a.bin", "a");
   EXPECT_THAT(ErrorOf(temp_dir / "out"), HasSubstr("Another run"));
   EXPECT_EQ(ReadText(folder.Path() + "/a.bin"), "a");
@@ -105,7 +198,7 @@ TEST(StagedFolder, DoesNotMoveLinks) {
   const TempDir temp_dir;
   WriteText(temp_dir / "images/a.png", "a");
   {
-    StagedFolder folder(temp_dir / "out");
+    StagedFolder folder(temp_dir / "out", /*resume=*/false);
     fs::create_directory_symlink(temp_dir / "images",
                                  folder.Path() + "/images");
     WriteText(folder.Path() + "/b.bin", "b");

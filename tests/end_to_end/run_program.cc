@@ -1,5 +1,6 @@
 #include "tests/end_to_end/run_program.h"
 
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
@@ -42,6 +43,10 @@ void Execute(const ProgramOptions& options) {
     std::signal(SIGXFSZ, SIG_IGN);
     const rlimit limit = {options.max_file_size, options.max_file_size};
     setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  if (options.max_memory > 0) {
+    const rlimit limit = {options.max_memory, options.max_memory};
+    setrlimit(RLIMIT_AS, &limit);
   }
   std::string program = STRUCTNERF_PROGRAM;
   std::vector<std::string> arguments = options.arguments;
@@ -97,9 +102,9 @@ Program::~Program() {
   }
 }
 
-bool Program::ReadSome() {
+bool Program::ReadSome(const int timeout_ms) {
   pollfd files[2] = {{out_, POLLIN, 0}, {error_, POLLIN, 0}};
-  poll(files, 2, -1);
+  poll(files, 2, timeout_ms);
   if (files[0].revents != 0 && !Append(out_, &result_.out)) {
     close(out_);
     out_ = -1;
@@ -116,6 +121,22 @@ bool Program::WaitForError(const std::string& text) {
     if (!ReadSome()) {
       return false;
     }
+  }
+  return true;
+}
+
+bool Program::WaitFor(const double seconds) {
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point end =
+      Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                         std::chrono::duration<double>(seconds));
+  while (out_ >= 0 || error_ >= 0) {
+    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(
+        end - Clock::now());
+    if (left.count() <= 0) {
+      return false;
+    }
+    ReadSome(static_cast<int>(left.count()));
   }
   return true;
 }

@@ -26,6 +26,9 @@ struct ProgramOptions {
   // Files cannot grow beyond so many bytes, as if the disk were full; 0 = no
   // limit.
   size_t max_file_size = 0;
+
+  // Bytes of address space, as by ulimit -v; 0 = no limit.
+  size_t max_memory = 0;
 };
 
 // A running colmap-structnerf.
@@ -39,10 +42,13 @@ class Program {
 
   void Signal(int signal_number);
 
+  // Waits so long at most; false if the program still runs then.
+  bool WaitFor(double seconds);
+
   ProgramResult Wait();
 
  private:
-  bool ReadSome();
+  bool ReadSome(int timeout_ms = -1);
 
   pid_t pid_ = -1;
   int out_ = -1;

@@ -92,7 +92,8 @@ TEST_F(TerminalTest, CtrlCTwiceLeavesTheDiskAsItWas) {
   EXPECT_TRUE(was_in_time);
 }
 
-TEST_F(TerminalTest, TerminationLeavesTheDiskAsItWas) {
+TEST_F(TerminalTest, TerminationWithoutCheckpointsLeavesTheDiskAsItWas) {
+  options_.arguments.push_back("--StructNeRF.checkpoint_minutes=0");
   const auto before = ReadFolder(temp_dir_.Path());
   Program program(options_);
   ASSERT_TRUE(program.WaitForError("Training\n"));

@@ -192,6 +192,8 @@ TEST_F(CheckpointTest, AnotherSceneIsRefusedAndTheDifferenceNamed) {
   expect_refused([&]() { scene_.views[1].segments.assign(16 * 12, 3); },
                  "photographs");
   expect_refused([&]() { scene_.views[1].mask.assign(16 * 12, 255); }, "masks");
+  expect_refused([&]() { scene_.views[0].prior_depth.assign(16 * 12, 3.0f); },
+                 "depth priors");
   expect_refused([&]() { scene_.views[1].camera.fx += 1e-9; }, "cameras");
   expect_refused([&]() { scene_.views[0].name = "other"; }, "cameras");
   expect_refused(
