@@ -96,6 +96,13 @@ void MoveBack(const fs::path& output_path, const fs::path& path) {
       fs::create_directories((path / file).parent_path());
       fs::rename(output_path / file, path / file);
     }
+    // The folders that were made for it: an empty one looks like a workspace.
+    std::error_code ignored;
+    for (fs::path folder = fs::path(file).parent_path();
+         !folder.empty() && fs::is_empty(output_path / folder, ignored);
+         folder = folder.parent_path()) {
+      fs::remove(output_path / folder, ignored);
+    }
   }
   fs::remove(list_path);
 }

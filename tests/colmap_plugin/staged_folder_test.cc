@@ -152,6 +152,7 @@ TEST(StagedFolder, UndoesACommitThatWasKilled) {
       EXPECT_EQ(ReadText(path + "/" + name), name);
     }
     EXPECT_EQ(ReadText(output + "/mine.txt"), "mine");
+    EXPECT_FALSE(fs::exists(output + "/deep"));
     StagedFolder folder(output, /*resume=*/true);
     folder.Commit();
     EXPECT_EQ(ReadText(output + "/deep/er/b.bin"), "deep/er/b.bin");
