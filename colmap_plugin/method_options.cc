@@ -285,7 +285,10 @@ std::vector<OptionEntry> StereoEntries(StereoOptions* stereo) {
        &stereo->max_cost,
        "Pixels that match worse keep the field's depth",
        0,
-       2}};
+       2},
+      {"StructNeRF.stereo_complete_planes",
+       &stereo->complete_planes,
+       "Put blank surfaces onto planes that several views agree on"}};
 }
 
 std::vector<OptionEntry> ExtractionEntries(ExtractionOptions* extraction) {

@@ -23,6 +23,11 @@ struct DenseMaps {
   // Standard deviation of the ray's termination depth divided by its depth;
   // small = certain. Row-major.
   std::vector<float> relative_std;
+
+  // How much worse the pixel matches a little nearer and farther away, in cost
+  // (PlaneMaps in nerf/stereo/patch_match.h); 0 where its depth was not matched.
+  // Row-major; empty without matching.
+  std::vector<float> distinctness;
 };
 
 // For every pixel of a view the other views that confirm its depth.

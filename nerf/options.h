@@ -209,6 +209,10 @@ struct StereoOptions {
   // Pixels that match worse than this keep the field's depth.
   double max_cost = 0.5;
 
+  // Whether blank surfaces are put onto planes that several views agree on
+  // (nerf/planes), once all views have been matched.
+  bool complete_planes = true;
+
   bool Check(std::string* error) const;
 };
 

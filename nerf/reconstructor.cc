@@ -6,6 +6,7 @@
 #include "nerf/extract/preview_renderer.h"
 #include "nerf/field/field_file.h"
 #include "nerf/field/mlp_layout.h"
+#include "nerf/planes/plane_completion.h"
 #include "nerf/scene_frame.h"
 #include "nerf/scene_guards.h"
 #include "nerf/stereo/depth_refinement.h"
@@ -130,6 +131,14 @@ class Reconstructor::Impl {
     patch_match = std::make_unique<PatchMatch>(
         scene, frame, objective->Views(), sources, options.stereo);
     pool = std::make_unique<ThreadPool>(options.training.num_threads);
+    if (options.stereo.num_iterations > 0 && options.stereo.complete_planes) {
+      plane_completion =
+          std::make_unique<PlaneCompletion>(scene,
+                                            frame,
+                                            objective->Views(),
+                                            sources,
+                                            options.stereo.window_radius);
+    }
   }
 
   void PreparePriors() {
@@ -172,6 +181,7 @@ class Reconstructor::Impl {
   std::unique_ptr<RenderEngine> engine;
   std::unique_ptr<PatchMatch> patch_match;
   std::unique_ptr<ThreadPool> pool;
+  std::unique_ptr<PlaneCompletion> plane_completion;  // null = off
   TrainingSummary summary;
 };
 
@@ -229,8 +239,7 @@ void Reconstructor::Train(Progress* progress,
   impl_->engine->RebuildDensityCache(progress);
 }
 
-DenseMaps Reconstructor::RenderView(const size_t view_idx,
-                                    Progress* progress) const {
+DenseMaps Reconstructor::RenderView(const size_t view_idx, Progress* progress) const {
   const View& view = impl_->scene.views.at(view_idx);
   DenseMaps maps =
       RenderDepth(view, impl_->frame, impl_->engine.get(), progress);
@@ -258,6 +267,28 @@ DenseMaps Reconstructor::RenderView(const size_t view_idx,
     }
   }
   return maps;
+}
+
+void Reconstructor::AddMaps(const size_t view_idx, const DenseMaps& maps) {
+  if (impl_->plane_completion) {
+    impl_->plane_completion->AddView(
+        static_cast<int>(view_idx), maps, impl_->pool.get());
+  }
+}
+
+void Reconstructor::FindPlanes() {
+  if (impl_->plane_completion) {
+    impl_->plane_completion->FindPlanes(impl_->pool.get());
+  }
+}
+
+size_t Reconstructor::CompletePlanes(const size_t view_idx,
+                                     DenseMaps* maps) const {
+  if (!impl_->plane_completion) {
+    return 0;
+  }
+  return impl_->plane_completion->Complete(
+      static_cast<int>(view_idx), impl_->pool.get(), maps);
 }
 
 const std::vector<std::vector<int>>& Reconstructor::SourceViews() const {

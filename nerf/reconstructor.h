@@ -61,6 +61,14 @@ class Reconstructor {
   // Depth and normals of one view from what has been learned so far.
   DenseMaps RenderView(size_t view_idx, Progress* progress) const;
 
+  // Puts blank surfaces onto planes that several views agree on, if the options
+  // say so: AddMaps for all views as RenderView returned them, then FindPlanes,
+  // then CompletePlanes for the maps of each. The latter returns how many
+  // pixels it changed.
+  void AddMaps(size_t view_idx, const DenseMaps& maps);
+  void FindPlanes();
+  size_t CompletePlanes(size_t view_idx, DenseMaps* maps) const;
+
   // Source views chosen for each view, best first (indices into the views).
   const std::vector<std::vector<int>>& SourceViews() const;
 

@@ -68,6 +68,41 @@ void SetPlaneOfPixel(const PinholeCamera& camera,
 
 }  // namespace
 
+PlaneMaps PlanesOfMaps(const View& view,
+                       const SceneFrame& frame,
+                       const TrainingViews::Image& image,
+                       ThreadPool* pool,
+                       const DenseMaps& maps) {
+  const PinholeCamera& camera = view.camera;
+  const double ratio_x = static_cast<double>(camera.width) / image.width;
+  const double ratio_y = static_cast<double>(camera.height) / image.height;
+  PlaneMaps planes;
+  planes.width = image.width;
+  planes.height = image.height;
+  const size_t num_pixels = static_cast<size_t>(image.width) * image.height;
+  planes.rho.resize(num_pixels);
+  planes.rho_x.resize(num_pixels);
+  planes.rho_y.resize(num_pixels);
+  pool->ParallelFor(image.height, [&](const size_t row, int) {
+    for (int col = 0; col < image.width; ++col) {
+      const double x = (col + 0.5) * ratio_x;
+      const double y = (static_cast<double>(row) + 0.5) * ratio_y;
+      const int map_col = std::min(static_cast<int>(x), camera.width - 1);
+      const int map_row = std::min(static_cast<int>(y), camera.height - 1);
+      const ImagePlane plane = PlaneOfPixel(camera, maps, map_col, map_row);
+      const double rho =
+          plane.rho + (x - map_col) * plane.rho_x + (y - map_row) * plane.rho_y;
+      const size_t index = row * image.width + col;
+      planes.rho[index] = static_cast<float>(rho / frame.scale);
+      planes.rho_x[index] =
+          static_cast<float>(plane.rho_x * ratio_x / frame.scale);
+      planes.rho_y[index] =
+          static_cast<float>(plane.rho_y * ratio_y / frame.scale);
+    }
+  });
+  return planes;
+}
+
 void RefineDepth(const View& view,
                  const int view_idx,
                  const SceneFrame& frame,
@@ -82,33 +117,10 @@ void RefineDepth(const View& view,
   const double ratio_x = static_cast<double>(camera.width) / image.width;
   const double ratio_y = static_cast<double>(camera.height) / image.height;
 
-  PlaneMaps planes;
-  planes.width = image.width;
-  planes.height = image.height;
-  const size_t num_pixels = static_cast<size_t>(image.width) * image.height;
-  planes.rho.resize(num_pixels);
-  planes.rho_x.resize(num_pixels);
-  planes.rho_y.resize(num_pixels);
-  pool->ParallelFor(image.height, [&](const size_t row, int) {
-    for (int col = 0; col < image.width; ++col) {
-      const double x = (col + 0.5) * ratio_x;
-      const double y = (static_cast<double>(row) + 0.5) * ratio_y;
-      const int map_col = std::min(static_cast<int>(x), camera.width - 1);
-      const int map_row = std::min(static_cast<int>(y), camera.height - 1);
-      const ImagePlane plane = PlaneOfPixel(camera, *maps, map_col, map_row);
-      const double rho =
-          plane.rho + (x - map_col) * plane.rho_x + (y - map_row) * plane.rho_y;
-      const size_t index = row * image.width + col;
-      planes.rho[index] = static_cast<float>(rho / frame.scale);
-      planes.rho_x[index] =
-          static_cast<float>(plane.rho_x * ratio_x / frame.scale);
-      planes.rho_y[index] =
-          static_cast<float>(plane.rho_y * ratio_y / frame.scale);
-    }
-  });
-
+  PlaneMaps planes = PlanesOfMaps(view, frame, image, pool, *maps);
   patch_match.Refine(view_idx, pool, progress, &planes);
 
+  maps->distinctness.assign(maps->depth.size(), 0.0f);
   pool->ParallelFor(camera.height, [&](const size_t map_row, int) {
     for (int map_col = 0; map_col < camera.width; ++map_col) {
       if (!(maps->depth[map_row * camera.width + map_col] > 0)) {
@@ -133,6 +145,8 @@ void RefineDepth(const View& view,
       if (plane.rho > 0) {
         SetPlaneOfPixel(
             camera, plane, map_col, static_cast<int>(map_row), maps);
+        maps->distinctness[map_row * camera.width + map_col] =
+            planes.distinctness[index];
       }
     }
   });

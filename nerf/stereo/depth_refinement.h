@@ -9,10 +9,18 @@
 
 namespace structnerf {
 
+// The planes of depth and normals in `maps`, for the pixels of the view's
+// training image; inverse depth 0 where there is no depth.
+PlaneMaps PlanesOfMaps(const View& view,
+                       const SceneFrame& frame,
+                       const TrainingViews::Image& image,
+                       ThreadPool* pool,
+                       const DenseMaps& maps);
+
 // Matches a view's patches with its sources, starting from the rendered depth
 // and normals in `maps`, and puts the planes found where they match at most
-// `max_cost`. Other pixels, and those without a depth, stay as they are. Throws
-// Aborted if told to abort.
+// `max_cost`, with their distinctness. Other pixels, and those without a depth,
+// stay as they are. Throws Aborted if told to abort.
 void RefineDepth(const View& view,
                  int view_idx,
                  const SceneFrame& frame,

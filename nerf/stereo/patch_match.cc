@@ -37,8 +37,10 @@ struct PatchMatchSweep {
   float* total_cost = nullptr;    // per pixel, with the prior
   int32_t* best_slots = nullptr;  // num_used_slots per pixel
   int num_used_slots = 0;
-  int iteration = -1;  // -1 = evaluate the seed and choose the sources
-  int color = 0;       // of the checkerboard
+  // -1 = evaluate the seed and choose the sources, num_iterations = measure
+  // distinctness.
+  int iteration = -1;
+  int color = 0;  // of the checkerboard
 };
 
 #endif  // NERF_STEREO_PATCH_MATCH_ONCE_
@@ -47,6 +49,9 @@ struct PatchMatchSweep {
 HWY_BEFORE_NAMESPACE();
 namespace structnerf {
 namespace HWY_NAMESPACE {
+
+// Relative changes of inverse depth at which a match must be worse.
+constexpr float kDistinctChanges[] = {-0.06f, -0.03f, 0.03f, 0.06f};
 
 V PriorCost(const PatchMatchSweep& sweep, const V rho, const V seed_rho) {
   const D d;
@@ -140,6 +145,28 @@ class PixelBlock {
          total,
          hn::And(hn::Gt(seed_rho_, hn::Zero(d)),
                  hn::Lt(cost, hn::Set(d, kWorstCost))));
+  }
+
+  // Compares with the same plane, nearer and farther away.
+  void MeasureDistinctness() {
+    const D d;
+    const Planes planes = Load();
+    const V cost = LoadFrom(sweep_.maps->cost.data());
+    V nearest_cost = hn::Set(d, kWorstCost);
+    for (const float change : kDistinctChanges) {
+      const V factor = hn::Set(d, 1.0f + change);
+      V other_cost;
+      Cost({hn::Mul(planes.rho, factor),
+            hn::Mul(planes.rho_x, factor),
+            hn::Mul(planes.rho_y, factor)},
+           &other_cost);
+      nearest_cost = hn::Min(nearest_cost, other_cost);
+    }
+    HWY_ALIGN float values[16] = {};
+    hn::Store(hn::Sub(nearest_cost, cost), d, values);
+    for (int i = 0; i < num_pixels_; ++i) {
+      sweep_.maps->distinctness[Index(i)] = values[i];
+    }
   }
 
   // Tries the planes of neighbours and random changes of the own.
@@ -316,9 +343,12 @@ void SweepRow(const PatchMatchSweep& sweep, const int row) {
       block.ChooseSources();
       block.LoadSources();
       block.EvaluateCurrent();
-    } else {
+    } else if (sweep.iteration < sweep.options->num_iterations) {
       block.LoadSources();
       block.Improve();
+    } else {
+      block.LoadSources();
+      block.MeasureDistinctness();
     }
   }
 }
@@ -363,6 +393,7 @@ void PatchMatch::Refine(const int view_idx,
                         PlaneMaps* maps) const {
   const size_t num_pixels = static_cast<size_t>(maps->width) * maps->height;
   maps->cost.assign(num_pixels, 2.0f);
+  maps->distinctness.assign(num_pixels, 0.0f);
   if (num_slots_ == 0) {
     return;
   }
@@ -380,7 +411,7 @@ void PatchMatch::Refine(const int view_idx,
   sweep.num_used_slots = std::min(num_slots_, options_.num_used_sources);
   std::vector<int32_t> best_slots(num_pixels * sweep.num_used_slots);
   sweep.best_slots = best_slots.data();
-  for (int iteration = -1; iteration < options_.num_iterations; ++iteration) {
+  for (int iteration = -1; iteration <= options_.num_iterations; ++iteration) {
     sweep.iteration = iteration;
     for (sweep.color = 0; sweep.color < 2; ++sweep.color) {
       for (int begin = 0; begin < maps->height; begin += kRowsPerBatch) {

@@ -26,6 +26,11 @@ struct PlaneMaps {
   // Matching cost in [0, 2]: one minus the correlation of the patch with those
   // of its best sources; 1 if it has no texture, 2 if no source sees it.
   std::vector<float> cost;
+
+  // How much worse the pixel matches a little in front of and behind its plane:
+  // the smaller of both differences in cost. Near zero where depth is not seen
+  // but only assumed, as on blank surfaces.
+  std::vector<float> distinctness;
 };
 
 // Slanted-window stereo (Bleyer et al. 2011) between one view and its sources,

@@ -1,0 +1,68 @@
+#pragma once
+
+#include "nerf/dense_maps.h"
+#include "nerf/planes/plane_hypotheses.h"
+#include "nerf/planes/plane_view.h"
+#include "nerf/scene.h"
+#include "nerf/scene_frame.h"
+#include "nerf/train/training_views.h"
+#include "nerf/util/thread_pool.h"
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace structnerf {
+
+// Puts superpixels that no view can match onto planes that several views agree
+// on. A blank surface looks the same at any depth between what stands in front
+// of it and behind it, so neither colour nor matching places it, and the field
+// puts it near. Its border, the upright and level planes of a room, and the
+// other views do: each view names the planes that its segments may lie on, and
+// a pixel takes the one that most other views name as well.
+//
+// Use: AddView for all views, then FindPlanes, then Complete for each.
+class PlaneCompletion {
+ public:
+  // All arguments must outlive this object. `sources`: source views of each.
+  PlaneCompletion(const Scene& scene,
+                  const SceneFrame& frame,
+                  const TrainingViews& views,
+                  const std::vector<std::vector<int>>& sources,
+                  int window_radius);
+
+  // Takes the maps of a view after matching: depth, normals, distinctness.
+  void AddView(int view_idx, const DenseMaps& maps, ThreadPool* pool);
+
+  void FindPlanes(ThreadPool* pool);
+
+  // Replaces depth and normals of pixels on a plane that was found; others, and
+  // those without a depth, stay as they are. Returns how many.
+  size_t Complete(int view_idx, ThreadPool* pool, DenseMaps* maps) const;
+
+ private:
+  ViewWarp MakeWarp(int view_idx, int source_idx) const;
+  void ConfirmReliablePixels(ThreadPool* pool);
+  std::vector<PlaneHypothesis> ChoosePlanes(int view_idx) const;
+
+  const Scene& scene_;
+  const SceneFrame& frame_;
+  const TrainingViews& views_;
+  const std::vector<std::vector<int>>& sources_;
+  const int border_;
+  std::vector<PlaneView> plane_views_;
+
+  // Of some distinct pixels.
+  struct NormalSample {
+    int view_idx = -1;
+    uint32_t pixel = 0;
+    Eigen::Vector3f normal;  // world
+  };
+  std::vector<NormalSample> normal_samples_;
+
+  // By view and segment; empty before FindPlanes, and where there are none.
+  std::vector<std::vector<std::vector<PlaneHypothesis>>> hypotheses_;
+};
+
+}  // namespace structnerf
