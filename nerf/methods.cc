@@ -14,6 +14,7 @@ void KeepOnlyColor(ReconstructionOptions* options) {
   options->loss.planar_weight = 0;
   options->loss.sparse_weight = 0;
   options->loss.prior_weight = 0;
+  options->loss.far_weight = 0;
   options->stereo.num_iterations = 0;
 }
 

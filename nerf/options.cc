@@ -116,6 +116,7 @@ bool LossOptions::Check(std::string* error) const {
       .In("sparse_deviation", sparse_deviation, 1e-4, 10.0)
       .In("sparse_fraction", sparse_fraction, 0.0, 1.0)
       .In("prior_weight", prior_weight, 0.0, kAnyWeight)
+      .In("far_weight", far_weight, 0.0, kAnyWeight)
       .In("prior_fraction", prior_fraction, 0.0, 1.0)
       .In("dense_prior_weight", dense_prior_weight, 0.0, kAnyWeight)
       .Require(prior_weight == 0 || dense_prior_weight == 0,
@@ -185,6 +186,8 @@ ReconstructionOptions QualityPreset(const std::string& quality) {
     options.stereo.num_iterations = 0;
   } else if (quality == "medium") {
     options.training.num_steps = 1500;
+    options.training.max_image_size = 640;
+    options.loss.patch_dilation = 4;
   } else if (quality == "high") {
     options.training.num_steps = 3000;
     options.training.max_image_size = 640;
@@ -209,6 +212,7 @@ ReconstructionOptions QualityPreset(const std::string& quality) {
     options.loss.planar_form = "triple_product";
     options.loss.sparse_weight = 0.05;
     options.loss.sparse_form = "squared";
+    options.loss.far_weight = 0;
     options.training.num_steps = 100000;
     options.training.max_image_size = 640;
     options.training.network_learning_rate = 5e-4;

@@ -144,6 +144,9 @@ struct LossOptions {
   double prior_weight = 0.0;
   double prior_fraction = 0.3;
 
+  // Pull of blank pixels away from the camera (nerf/losses/far_push.h).
+  double far_weight = 0.03;
+
   // Depth priors of the views (View::prior_depth), as their likelihood
   // (nerf/losses/depth_likelihood.h); for the whole training.
   double dense_prior_weight = 0.0;

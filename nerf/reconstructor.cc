@@ -27,11 +27,13 @@ namespace {
 constexpr float kInitialDensity = 1.6f;
 
 // Bytes per pixel of a photograph: RGB in the scene; packed colours and grey
-// values in TrainingViews; label, mask and pixel list of segments.
-constexpr size_t kBytesPerTrainingPixel = 3 + 4 + 2 + 4 + 1 + 4;
+// values in TrainingViews; label, mask and pixel list of segments; blankness;
+// depth and reliability for planes.
+constexpr size_t kBytesPerTrainingPixel = 3 + 4 + 2 + 4 + 1 + 4 + 1 + 4 + 1;
 
-// Bytes per pixel of the maps of one view: depth, deviation, normal.
-constexpr size_t kBytesPerMapPixel = 5 * sizeof(float);
+// Bytes per pixel of the maps of one view: depth, deviation, normal,
+// distinctness.
+constexpr size_t kBytesPerMapPixel = 6 * sizeof(float);
 
 // Bytes per grid feature: value and two moments, half-precision copy; the last
 // snapshot and the next.
@@ -239,7 +241,8 @@ void Reconstructor::Train(Progress* progress,
   impl_->engine->RebuildDensityCache(progress);
 }
 
-DenseMaps Reconstructor::RenderView(const size_t view_idx, Progress* progress) const {
+DenseMaps Reconstructor::RenderView(const size_t view_idx,
+                                    Progress* progress) const {
   const View& view = impl_->scene.views.at(view_idx);
   DenseMaps maps =
       RenderDepth(view, impl_->frame, impl_->engine.get(), progress);

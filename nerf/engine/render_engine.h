@@ -23,6 +23,7 @@ enum class LossTerm {
   kSparse,
   kPrior,
   kDensePrior,
+  kFar,
   kCount
 };
 using LossValues = std::array<double, static_cast<size_t>(LossTerm::kCount)>;

@@ -1,5 +1,6 @@
 #include "nerf/train/training_objective.h"
 
+#include "nerf/losses/far_push.h"
 #include "nerf/losses/planar_loss.h"
 #include "nerf/util/random.h"
 
@@ -84,6 +85,7 @@ class TrainingObjective::Tile : public TileObjective {
     AddSparseLoss(outputs, gradients, &losses);
     AddPriorLoss(outputs, gradients, &losses);
     AddDensePriorLoss(outputs, gradients, &losses);
+    AddFarLoss(outputs, gradients, &losses);
     return losses;
   }
 
@@ -321,6 +323,29 @@ class TrainingObjective::Tile : public TileObjective {
   }
 
   // Where no sparse point is, the interpolated depth pulls at the ray.
+  void AddFarLoss(const RayOutputs& outputs,
+                  RayGradients* gradients,
+                  LossValues* losses) const {
+    if (objective_.blankness_.empty()) {
+      return;
+    }
+    const float weight =
+        static_cast<float>(objective_.loss_options_.far_weight) /
+        objective_.training_options_.rays_per_step;
+    double sum = 0;
+    for (int ray = 0; ray < rays_->num_rays; ++ray) {
+      const size_t pixel = static_cast<size_t>(row_[ray]) *
+                               objective_.views_.image(view_idx_[ray]).width +
+                           col_[ray];
+      float d_depth;
+      sum += EvaluateFarPush(objective_.blankness_[view_idx_[ray]][pixel],
+                             outputs.depth[ray],
+                             &d_depth);
+      gradients->d_depth[ray] += weight * d_depth;
+    }
+    (*losses)[static_cast<size_t>(LossTerm::kFar)] += weight * sum;
+  }
+
   void AddPriorLoss(const RayOutputs& outputs,
                     RayGradients* gradients,
                     LossValues* losses) const {
@@ -404,6 +429,11 @@ TrainingObjective::TrainingObjective(
           scene, frame, views_, sources, MakePatchOptions(loss_options)),
       hints_(scene, frame, train_view_idxs, views_, loss_options) {
   CollectPixels(scene);
+  if (loss_options.far_weight > 0) {
+    for (size_t v = 0; v < scene.views.size(); ++v) {
+      blankness_.push_back(MeasureBlankness(views_, static_cast<int>(v)));
+    }
+  }
 }
 
 TrainingObjective::~TrainingObjective() = default;

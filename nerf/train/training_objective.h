@@ -85,6 +85,9 @@ class TrainingObjective {
     size_t last_pixel = 0;  // cumulative number of unmasked pixels
   };
   std::vector<PixelRow> pixel_rows_;
+
+  // MeasureBlankness of each view; empty if the far term is off.
+  std::vector<std::vector<uint8_t>> blankness_;
   mutable std::atomic<size_t> num_drawn_patches_ = 0;
   mutable std::atomic<size_t> num_compared_patches_ = 0;
 };
