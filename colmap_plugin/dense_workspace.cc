@@ -18,6 +18,10 @@ namespace fs = std::filesystem;
 constexpr const char* kStereoFolders[] = {
     "depth_maps", "normal_maps", "consistency_graphs"};
 
+// In the report folder. Depth, three of the normal, distinctness.
+constexpr const char* kMatchedFolder = "matched";
+constexpr size_t kMatchedChannels = 5;
+
 // COLMAP's own writers do not notice a full disk, this does.
 void WriteFile(const std::string& path,
                const std::function<void(std::ostream*)>& write) {
@@ -137,6 +141,10 @@ void DenseWorkspace::CreateFolders(
         fs::create_directories((folder_path / image_name).parent_path());
       }
     }
+    for (const std::string& image_name : image_names) {
+      fs::create_directories(
+          fs::path(MatchedMapsPath(image_name)).parent_path());
+    }
   } catch (const fs::filesystem_error& error) {
     throw std::runtime_error(
         "A folder in " + path_ +
@@ -183,6 +191,48 @@ StereoMaps DenseWorkspace::ReadMaps(const std::string& image_name,
   ReadMat(DepthMapPath(image_name, type), 1, &maps, &maps.depth);
   ReadMat(NormalMapPath(image_name, type), 3, &maps, &maps.normal);
   return maps;
+}
+
+std::string DenseWorkspace::MatchedMapsPath(
+    const std::string& image_name) const {
+  return (fs::path(ReportFolder()) / kMatchedFolder / image_name).string() +
+         ".bin";
+}
+
+void DenseWorkspace::WriteMatchedMaps(const std::string& image_name,
+                                      const DenseMaps& maps) const {
+  std::vector<float> channels = maps.depth;
+  channels.insert(channels.end(), maps.normal.begin(), maps.normal.end());
+  channels.insert(
+      channels.end(), maps.distinctness.begin(), maps.distinctness.end());
+  const size_t num_pixels = maps.depth.size();
+  channels.resize(kMatchedChannels * num_pixels, 0.0f);  // without matching
+  WriteMat(MatchedMapsPath(image_name),
+           maps.width,
+           maps.height,
+           kMatchedChannels,
+           channels);
+}
+
+DenseMaps DenseWorkspace::ReadMatchedMaps(const std::string& image_name) const {
+  StereoMaps size;
+  std::vector<float> channels;
+  ReadMat(MatchedMapsPath(image_name), kMatchedChannels, &size, &channels);
+  const auto num_pixels = static_cast<ptrdiff_t>(channels.size()) /
+                          static_cast<ptrdiff_t>(kMatchedChannels);
+  const auto normal = channels.begin() + num_pixels;
+  const auto distinctness = normal + 3 * num_pixels;
+  DenseMaps maps;
+  maps.width = size.width;
+  maps.height = size.height;
+  maps.depth.assign(channels.begin(), normal);
+  maps.normal.assign(normal, distinctness);
+  maps.distinctness.assign(distinctness, channels.end());
+  return maps;
+}
+
+void DenseWorkspace::RemoveMatchedMaps() const {
+  fs::remove_all(fs::path(ReportFolder()) / kMatchedFolder);
 }
 
 void DenseWorkspace::WriteConsistencyGraph(

@@ -55,6 +55,14 @@ class DenseWorkspace {
   // Throws std::runtime_error if a file is damaged or missing.
   StereoMaps ReadMaps(const std::string& image_name, MapType type) const;
 
+  // Maps of a view before blank surfaces are put onto planes, in one file of
+  // the report folder for the time of a run: depth, normal and distinctness.
+  std::string MatchedMapsPath(const std::string& image_name) const;
+  void WriteMatchedMaps(const std::string& image_name,
+                        const DenseMaps& maps) const;
+  DenseMaps ReadMatchedMaps(const std::string& image_name) const;
+  void RemoveMatchedMaps() const;
+
   // `records[i].view_idxs` index the registered images in the model's order.
   void WriteConsistencyGraph(
       const std::string& image_name,

@@ -22,14 +22,16 @@ constexpr double kBytesPerGb = 1024.0 * 1024.0 * 1024.0;
 // Depth and three planes of normals.
 constexpr size_t kStereoBytesPerPixel = 4 * sizeof(float);
 
-// The above with deviation and colour, while a view is rendered.
-constexpr size_t kDenseBytesPerPixel = 5 * sizeof(float) + 3;
+// The above with deviation, distinctness and colour, while a view is rendered.
+constexpr size_t kDenseBytesPerPixel = 6 * sizeof(float) + 3;
 
 // A decoded photograph and its conversion.
 constexpr size_t kDecodingBytesPerPixel = 2 * 3;
 
-// Both kinds of maps, and consistency graphs that are about half full.
-constexpr size_t kDiskBytesPerPixel = 2 * kStereoBytesPerPixel + 16;
+// Both kinds of maps, those before planes are completed, and consistency graphs
+// that are about half full.
+constexpr size_t kDiskBytesPerPixel =
+    3 * kStereoBytesPerPixel + sizeof(float) + 16;
 
 // Copies of the sparse model, stacks of threads, what the allocator keeps.
 constexpr size_t kOverheadBytes = size_t{64} << 20;

@@ -194,6 +194,7 @@ std::string ReportJson(const RunReport& report) {
                        {"maps",
                         {{"pixels", totals.num_pixels},
                          {"photometric_pixels", totals.num_photometric},
+                         {"plane_pixels", report.num_completed_pixels},
                          {"geometric_pixels", totals.num_geometric}}},
                        {"views", ViewsJson(report.views)},
                        {"fusion",

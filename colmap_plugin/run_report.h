@@ -34,6 +34,7 @@ struct RunReport {
   size_t memory_limit = 0;  // bytes
   size_t peak_memory = 0;   // bytes
   TrainingSummary training;
+  size_t num_completed_pixels = 0;  // put onto planes, of all views
   std::vector<ViewReport> views;
   int fusion_min_num_pixels = 0;
   size_t num_fused_points = 0;

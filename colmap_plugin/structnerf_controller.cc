@@ -160,6 +160,7 @@ void StructNerfController::RunStages() {
   }
   Train();
   RenderMaps();
+  CompletePlanes();
   CheckConsistency();
   FusePoints();
   WriteResults();
@@ -264,10 +265,11 @@ void StructNerfController::LoadScene() {
   converter_options.mask_path = mask_path_;
   converter_options.max_image_size =
       options_.reconstruction.training.max_image_size;
+  const ReconstructionOptions& method = options_.reconstruction;
+  const bool needs_segments =
+      method.loss.planar_weight > 0 || method.CompletesPlanes();
   converter_options.planar_min_area =
-      options_.reconstruction.loss.planar_weight > 0
-          ? options_.reconstruction.loss.planar_min_area
-          : 0;
+      needs_segments ? method.loss.planar_min_area : 0;
   Scene scene =
       ConvertScene(*reconstruction_, converter_options, progress_.get());
   if (!options_.prior_path.empty()) {
@@ -303,11 +305,51 @@ void StructNerfController::Train() {
 
 void StructNerfController::RenderMaps() {
   BeginStage("Rendering depth maps");
+  for (size_t i = 0; i < image_names_.size(); ++i) {
+    reconstructor_->AddMaps(i, RenderView(i));
+    ReportFraction(i + 1, image_names_.size());
+  }
+  reconstructor_->SaveField(
+      (fs::path(workspace_->ReportFolder()) / "field.bin").string());
+}
+
+DenseMaps StructNerfController::RenderView(const size_t view_idx) {
+  const std::string& name = image_names_[view_idx];
+  const std::string path = workspace_->MatchedMapsPath(name);
+  // Maps of a field that was trained again from an older checkpoint do not
+  // count: training may have been stopped at another step.
+  if (checkpoint_.is_complete && journal_->IsIntact(path)) {
+    return workspace_->ReadMatchedMaps(name);
+  }
+  SilentProgress view_progress(progress_.get());
+  const DenseMaps maps = reconstructor_->RenderView(view_idx, &view_progress);
+  workspace_->WriteMatchedMaps(name, maps);
+  journal_->Add(path);
+  return maps;
+}
+
+void StructNerfController::CompletePlanes() {
+  BeginStage("Completing planes");
   depth_maps_ = std::make_unique<DepthMapCache>(
       workspace_.get(), image_names_, memory_plan_.depth_map_bytes);
+  reconstructor_->FindPlanes();
   for (size_t i = 0; i < image_names_.size(); ++i) {
-    StereoMaps maps = RenderView(i);
-    report_.views.push_back({image_names_[i],
+    const std::string& name = image_names_[i];
+    DenseMaps completed = workspace_->ReadMatchedMaps(name);
+    report_.num_completed_pixels +=
+        reconstructor_->CompletePlanes(i, &completed);
+    StereoMaps maps{completed.width,
+                    completed.height,
+                    std::move(completed.depth),
+                    std::move(completed.normal)};
+    if (!mask_path_.empty()) {
+      const auto mask = ReadMask(mask_path_, name, maps.width, maps.height);
+      if (!mask.empty()) {
+        maps.KeepOnly(mask);
+      }
+    }
+    workspace_->WriteMaps(name, MapType::kPhotometric, maps);
+    report_.views.push_back({name,
                              maps.width,
                              maps.height,
                              maps.NumDepths(),
@@ -315,39 +357,7 @@ void StructNerfController::RenderMaps() {
     depth_maps_->Insert(i, std::move(maps));
     ReportFraction(i + 1, image_names_.size());
   }
-  reconstructor_->SaveField(
-      (fs::path(workspace_->ReportFolder()) / "field.bin").string());
   reconstructor_.reset();
-}
-
-StereoMaps StructNerfController::RenderView(const size_t view_idx) {
-  const std::string& name = image_names_[view_idx];
-  const std::string depth_path =
-      workspace_->DepthMapPath(name, MapType::kPhotometric);
-  const std::string normal_path =
-      workspace_->NormalMapPath(name, MapType::kPhotometric);
-  // Maps of a field that was trained again from an older checkpoint do not
-  // count: training may have been stopped at another step.
-  if (checkpoint_.is_complete && journal_->IsIntact(depth_path) &&
-      journal_->IsIntact(normal_path)) {
-    return workspace_->ReadMaps(name, MapType::kPhotometric);
-  }
-  SilentProgress view_progress(progress_.get());
-  DenseMaps rendered = reconstructor_->RenderView(view_idx, &view_progress);
-  StereoMaps maps{rendered.width,
-                  rendered.height,
-                  std::move(rendered.depth),
-                  std::move(rendered.normal)};
-  if (!mask_path_.empty()) {
-    const auto mask = ReadMask(mask_path_, name, maps.width, maps.height);
-    if (!mask.empty()) {
-      maps.KeepOnly(mask);
-    }
-  }
-  workspace_->WriteMaps(name, MapType::kPhotometric, maps);
-  journal_->Add(depth_path);
-  journal_->Add(normal_path);
-  return maps;
 }
 
 void StructNerfController::CheckConsistency() {
@@ -442,6 +452,7 @@ void StructNerfController::WriteResults() {
     report_.options.emplace(entry.name, entry.Value());
   }
   WriteReport(report_, workspace_->ReportFolder());
+  workspace_->RemoveMatchedMaps();
   staged_folder_->Commit();
 }
 

@@ -69,12 +69,14 @@ class StructNerfController : public colmap::BaseController {
   void LoadScene();
   void Train();
   void RenderMaps();
+  void CompletePlanes();
   void CheckConsistency();
   void FusePoints();
   void WriteResults();
 
-  // The maps of a view, masked and written.
-  StereoMaps RenderView(size_t view_idx);
+  // The maps of a view before planes are completed, written or as an earlier
+  // run has written them.
+  DenseMaps RenderView(size_t view_idx);
 
   // Why no points were fused and what to do about it.
   std::string EmptyCloudText(int min_num_pixels) const;

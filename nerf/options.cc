@@ -178,6 +178,10 @@ bool ReconstructionOptions::NeedsPrior() const {
          sampling.bound_by_prior;
 }
 
+bool ReconstructionOptions::CompletesPlanes() const {
+  return stereo.num_iterations > 0 && stereo.complete_planes;
+}
+
 ReconstructionOptions QualityPreset(const std::string& quality) {
   ReconstructionOptions options;
   if (quality == "low") {

@@ -248,6 +248,9 @@ struct ReconstructionOptions {
 
   // Whether anything asks for View::prior_depth.
   bool NeedsPrior() const;
+
+  // Whether blank surfaces are put onto planes, which needs matched depth.
+  bool CompletesPlanes() const;
 };
 
 // The options of one of COLMAP's quality words, "low", "medium", "high" or

@@ -133,7 +133,7 @@ class Reconstructor::Impl {
     patch_match = std::make_unique<PatchMatch>(
         scene, frame, objective->Views(), sources, options.stereo);
     pool = std::make_unique<ThreadPool>(options.training.num_threads);
-    if (options.stereo.num_iterations > 0 && options.stereo.complete_planes) {
+    if (options.CompletesPlanes()) {
       plane_completion =
           std::make_unique<PlaneCompletion>(scene,
                                             frame,
