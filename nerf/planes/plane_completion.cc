@@ -25,22 +25,6 @@ constexpr float kConfirmTolerance = 0.01f;
 constexpr int kNormalsPerView = 2000;
 constexpr float kMinDominantShare = 0.05f;
 
-// Views agree on a plane within this relative difference; a reliable pixel this
-// much behind it has been seen through it.
-constexpr float kAgreeTolerance = 0.02f;
-constexpr float kThroughTolerance = 0.03f;
-
-// Lattice cells per image width on which planes are chosen, and half the side
-// of the window over which votes are summed, in cells.
-constexpr int kCellsPerWidth = 160;
-constexpr int kVoteRadius = 2;
-
-// Other views that must agree, on average over the window.
-constexpr float kMinVotes = 2.0f;
-
-// Planes with this share of the most votes are equally likely by votes alone.
-constexpr float kEqualVotes = 0.9f;
-
 }  // namespace
 
 PlaneCompletion::PlaneCompletion(const Scene& scene,
@@ -66,6 +50,14 @@ void PlaneCompletion::AddView(const int view_idx,
   plane_view.height = planes.height;
   plane_view.camera = view.camera.Resized(planes.width, planes.height);
   plane_view.rho = planes.rho;
+  plane_view.segments = view.segments;
+  if (!view.segments.empty() && !view.mask.empty()) {
+    for (size_t i = 0; i < view.mask.size(); ++i) {
+      if (view.mask[i] == 0) {
+        plane_view.segments[i] = -1;
+      }
+    }
+  }
   plane_view.is_reliable.assign(planes.rho.size(), 0);
   std::vector<uint32_t> distinct;
   for (int row = 0; row < planes.height; ++row) {
@@ -83,12 +75,19 @@ void PlaneCompletion::AddView(const int view_idx,
       }
     }
   }
+  SampleNormals(view_idx, planes, distinct);
+}
+
+void PlaneCompletion::SampleNormals(const int view_idx,
+                                    const PlaneMaps& planes,
+                                    const std::vector<uint32_t>& distinct) {
   if (distinct.empty()) {
     return;
   }
   Random random(view_idx);
+  const PlaneView& plane_view = plane_views_[view_idx];
   const Eigen::Matrix3f world_from_cam =
-      view.cam_from_world_rotation.transpose().cast<float>();
+      scene_.views[view_idx].cam_from_world_rotation.transpose().cast<float>();
   for (int i = 0; i < kNormalsPerView; ++i) {
     const uint32_t pixel =
         distinct[random.NextBelow(static_cast<uint32_t>(distinct.size()))];
@@ -118,14 +117,19 @@ ViewWarp PlaneCompletion::MakeWarp(const int view_idx,
                       frame_.scale);
 }
 
+std::vector<ViewWarp> PlaneCompletion::MakeWarps(const int view_idx) const {
+  std::vector<ViewWarp> warps;
+  for (const int source : sources_[view_idx]) {
+    warps.push_back(MakeWarp(view_idx, source));
+  }
+  return warps;
+}
+
 void PlaneCompletion::ConfirmReliablePixels(ThreadPool* pool) {
   std::vector<std::vector<uint8_t>> confirmed(plane_views_.size());
   pool->ParallelFor(plane_views_.size(), [&](const size_t v, int) {
     const PlaneView& view = plane_views_[v];
-    std::vector<ViewWarp> warps;
-    for (const int source : sources_[v]) {
-      warps.push_back(MakeWarp(static_cast<int>(v), source));
-    }
+    const std::vector<ViewWarp> warps = MakeWarps(static_cast<int>(v));
     confirmed[v] = view.is_reliable;
     for (int row = 0; row < view.height; ++row) {
       for (int col = 0; col < view.width; ++col) {
@@ -139,13 +143,13 @@ void PlaneCompletion::ConfirmReliablePixels(ThreadPool* pool) {
           int source_col;
           int source_row;
           float ratio;
-          if (ProjectPixel(warps[i],
-                           col,
-                           row,
-                           view.rho[index],
-                           &source_col,
-                           &source_row,
-                           &ratio)) {
+          if (!source.rho.empty() && ProjectPixel(warps[i],
+                                                  col,
+                                                  row,
+                                                  view.rho[index],
+                                                  &source_col,
+                                                  &source_row,
+                                                  &ratio)) {
             const float there =
                 source.rho[source.Index(source_col, source_row)];
             count += std::abs(view.rho[index] / ratio - there) <
@@ -176,159 +180,32 @@ void PlaneCompletion::FindPlanes(ThreadPool* pool) {
   hypotheses_.resize(plane_views_.size());
   pool->ParallelFor(plane_views_.size(), [&](const size_t v, int) {
     const int view_idx = static_cast<int>(v);
-    const View& view = scene_.views[v];
-    if (view.segments.empty()) {
+    if (plane_views_[v].segments.empty()) {
       return;
-    }
-    std::vector<ViewWarp> warps;
-    for (const int source : sources_[v]) {
-      warps.push_back(MakeWarp(view_idx, source));
     }
     hypotheses_[v] = FindPlaneHypotheses(
         plane_views_[v],
-        view.segments,
         border_,
-        view.cam_from_world_rotation.cast<float>() * dominant.direction,
+        scene_.views[v].cam_from_world_rotation.cast<float>() *
+            dominant.direction,
         view_idx,
-        warps,
+        MakeWarps(view_idx),
         sources_[v],
         views_);
   });
 }
 
-// The plane of each lattice cell of a view; support 0 where there is none.
-std::vector<PlaneHypothesis> PlaneCompletion::ChoosePlanes(
+std::vector<ChosenPlane> PlaneCompletion::ChoosePlanes(
     const int view_idx) const {
-  const PlaneView& view = plane_views_[view_idx];
-  const std::vector<int32_t>& labels = scene_.views[view_idx].segments;
-  const auto& planes = hypotheses_[view_idx];
-  const int step = std::max(1, view.width / kCellsPerWidth);
-  const int num_cols = (view.width + step - 1) / step;
-  const int num_rows = (view.height + step - 1) / step;
-  size_t max_planes = 0;
-  for (const auto& segment_planes : planes) {
-    max_planes = std::max(max_planes, segment_planes.size());
-  }
-  std::vector<PlaneHypothesis> chosen(static_cast<size_t>(num_cols) * num_rows);
-  if (max_planes == 0) {
-    return chosen;
-  }
-
-  struct Votes {
-    float agree = 0;
-    float through = 0;
-  };
-  std::vector<Votes> votes(chosen.size() * max_planes);
-  const auto pixel_of_cell = [&](const int col, const int row) {
-    return view.Index(std::min(col * step + step / 2, view.width - 1),
-                      std::min(row * step + step / 2, view.height - 1));
-  };
+  PlaneVotes votes(plane_views_[view_idx], hypotheses_[view_idx]);
   for (size_t other = 0; other < plane_views_.size(); ++other) {
-    if (static_cast<int>(other) == view_idx || hypotheses_[other].empty()) {
-      continue;
-    }
-    const PlaneView& source = plane_views_[other];
-    const std::vector<int32_t>& source_labels = scene_.views[other].segments;
-    const auto& source_planes = hypotheses_[other];
-    const ViewWarp warp = MakeWarp(view_idx, static_cast<int>(other));
-    for (int row = 0; row < num_rows; ++row) {
-      for (int col = 0; col < num_cols; ++col) {
-        const size_t pixel = pixel_of_cell(col, row);
-        const int32_t label = labels[pixel];
-        if (label < 0) {
-          continue;
-        }
-        const int pixel_col = static_cast<int>(pixel % view.width);
-        const int pixel_row = static_cast<int>(pixel / view.width);
-        const Eigen::Vector3f ray = view.Ray(pixel_col, pixel_row);
-        for (size_t k = 0; k < planes[label].size(); ++k) {
-          const float rho = planes[label][k].InverseDepth(ray);
-          int source_col;
-          int source_row;
-          float ratio;
-          if (!(rho > 0) || !ProjectPixel(warp,
-                                          pixel_col,
-                                          pixel_row,
-                                          rho,
-                                          &source_col,
-                                          &source_row,
-                                          &ratio)) {
-            continue;
-          }
-          Votes& cell =
-              votes[(static_cast<size_t>(row) * num_cols + col) * max_planes +
-                    k];
-          const float expected = rho / ratio;
-          const size_t index = source.Index(source_col, source_row);
-          const float tolerance = kAgreeTolerance * expected;
-          if (source.is_reliable[index]) {
-            cell.agree += std::abs(source.rho[index] - expected) < tolerance;
-            cell.through +=
-                source.rho[index] < expected * (1 - kThroughTolerance);
-          } else if (source_labels[index] >= 0) {
-            const Eigen::Vector3f source_ray =
-                source.Ray(source_col, source_row);
-            const auto& there = source_planes[source_labels[index]];
-            cell.agree += std::any_of(
-                there.begin(), there.end(), [&](const PlaneHypothesis& plane) {
-                  return std::abs(plane.InverseDepth(source_ray) - expected) <
-                         tolerance;
-                });
-          }
-        }
-      }
+    if (static_cast<int>(other) != view_idx && !hypotheses_[other].empty()) {
+      votes.Count(MakeWarp(view_idx, static_cast<int>(other)),
+                  plane_views_[other],
+                  hypotheses_[other]);
     }
   }
-
-  for (int row = 0; row < num_rows; ++row) {
-    for (int col = 0; col < num_cols; ++col) {
-      const int32_t label = labels[pixel_of_cell(col, row)];
-      if (label < 0 || planes[label].empty()) {
-        continue;
-      }
-      std::vector<Votes> sums(planes[label].size());
-      float count = 0;
-      for (int r = std::max(0, row - kVoteRadius);
-           r <= std::min(num_rows - 1, row + kVoteRadius);
-           ++r) {
-        for (int c = std::max(0, col - kVoteRadius);
-             c <= std::min(num_cols - 1, col + kVoteRadius);
-             ++c) {
-          if (labels[pixel_of_cell(c, r)] != label) {
-            continue;
-          }
-          ++count;
-          for (size_t k = 0; k < sums.size(); ++k) {
-            const Votes& cell =
-                votes[(static_cast<size_t>(r) * num_cols + c) * max_planes + k];
-            sums[k].agree += cell.agree;
-            sums[k].through += cell.through;
-          }
-        }
-      }
-      float most = 0;
-      for (const Votes& sum : sums) {
-        if (sum.agree >= sum.through) {
-          most = std::max(most, sum.agree);
-        }
-      }
-      if (most < kMinVotes * count) {
-        continue;
-      }
-      // Planes close to each other get much the same votes, and the one that
-      // more reliable pixels lie on is right.
-      for (size_t k = 0; k < sums.size(); ++k) {
-        PlaneHypothesis& best =
-            chosen[static_cast<size_t>(row) * num_cols + col];
-        if (sums[k].agree >= sums[k].through &&
-            sums[k].agree >= kEqualVotes * most &&
-            planes[label][k].support > best.support) {
-          best = planes[label][k];
-        }
-      }
-    }
-  }
-  return chosen;
+  return votes.Choose();
 }
 
 size_t PlaneCompletion::Complete(const int view_idx,
@@ -339,10 +216,8 @@ size_t PlaneCompletion::Complete(const int view_idx,
   }
   const PinholeCamera& camera = scene_.views[view_idx].camera;
   const PlaneView& view = plane_views_[view_idx];
-  const std::vector<int32_t>& labels = scene_.views[view_idx].segments;
-  const std::vector<PlaneHypothesis> chosen = ChoosePlanes(view_idx);
-  const int step = std::max(1, view.width / kCellsPerWidth);
-  const int num_cols = (view.width + step - 1) / step;
+  const std::vector<ChosenPlane> chosen = ChoosePlanes(view_idx);
+  const PlaneLattice lattice(view);
   const size_t num_pixels = maps->depth.size();
   std::vector<size_t> num_completed(maps->height, 0);
   pool->ParallelFor(maps->height, [&](const size_t map_row, int) {
@@ -354,19 +229,9 @@ size_t PlaneCompletion::Complete(const int view_idx,
           std::min(map_col * view.width / maps->width, view.width - 1);
       const size_t pixel = view.Index(col, row);
       const size_t index = map_row * maps->width + map_col;
-      if (labels[pixel] < 0 || view.is_reliable[pixel] ||
-          !(maps->depth[index] > 0)) {
-        continue;
-      }
-      // A cell speaks for the pixels of its own segment.
-      const int cell_col = col / step;
-      const int cell_row = row / step;
-      const size_t center =
-          view.Index(std::min(cell_col * step + step / 2, view.width - 1),
-                     std::min(cell_row * step + step / 2, view.height - 1));
-      const PlaneHypothesis& plane =
-          chosen[static_cast<size_t>(cell_row) * num_cols + cell_col];
-      if (!(plane.support > 0) || labels[center] != labels[pixel]) {
+      const ChosenPlane& choice = chosen[lattice.IndexOfPixel(col, row)];
+      if (choice.segment < 0 || choice.segment != view.segments[pixel] ||
+          view.is_reliable[pixel] || !(maps->depth[index] > 0)) {
         continue;
       }
       const Eigen::Vector3f ray(
@@ -375,12 +240,12 @@ size_t PlaneCompletion::Complete(const int view_idx,
                              camera.fy),
           1.0f);
       const double rho =
-          static_cast<double>(plane.InverseDepth(ray)) * frame_.scale;
+          static_cast<double>(choice.plane.InverseDepth(ray)) * frame_.scale;
       if (!(rho > 0)) {
         continue;
       }
       maps->depth[index] = static_cast<float>(1.0 / rho);
-      const Eigen::Vector3f normal = -plane.coefficients.normalized();
+      const Eigen::Vector3f normal = -choice.plane.coefficients.normalized();
       for (int i = 0; i < 3; ++i) {
         maps->normal[i * num_pixels + index] = normal[i];
       }

@@ -3,8 +3,10 @@
 #include "nerf/dense_maps.h"
 #include "nerf/planes/plane_hypotheses.h"
 #include "nerf/planes/plane_view.h"
+#include "nerf/planes/plane_votes.h"
 #include "nerf/scene.h"
 #include "nerf/scene_frame.h"
+#include "nerf/stereo/patch_match.h"
 #include "nerf/train/training_views.h"
 #include "nerf/util/thread_pool.h"
 
@@ -22,7 +24,8 @@ namespace structnerf {
 // other views do: each view names the planes that its segments may lie on, and
 // a pixel takes the one that most other views name as well.
 //
-// Use: AddView for all views, then FindPlanes, then Complete for each.
+// Use: AddView for all views, then FindPlanes, then Complete for each. Views
+// that were not added have no say and are not completed.
 class PlaneCompletion {
  public:
   // All arguments must outlive this object. `sources`: source views of each.
@@ -38,13 +41,23 @@ class PlaneCompletion {
   void FindPlanes(ThreadPool* pool);
 
   // Replaces depth and normals of pixels on a plane that was found; others, and
-  // those without a depth, stay as they are. Returns how many.
+  // those that are masked or without a depth, stay as they are. Returns how
+  // many.
   size_t Complete(int view_idx, ThreadPool* pool, DenseMaps* maps) const;
 
  private:
+  // Keeps normals of some of the distinct pixels.
+  void SampleNormals(int view_idx,
+                     const PlaneMaps& planes,
+                     const std::vector<uint32_t>& distinct);
   ViewWarp MakeWarp(int view_idx, int source_idx) const;
+  std::vector<ViewWarp> MakeWarps(int view_idx) const;  // to its sources
+
+  // What too few sources confirm is reliable no more.
   void ConfirmReliablePixels(ThreadPool* pool);
-  std::vector<PlaneHypothesis> ChoosePlanes(int view_idx) const;
+
+  // By cell of the view's PlaneLattice.
+  std::vector<ChosenPlane> ChoosePlanes(int view_idx) const;
 
   const Scene& scene_;
   const SceneFrame& frame_;

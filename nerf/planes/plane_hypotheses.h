@@ -4,7 +4,6 @@
 #include "nerf/planes/plane_view.h"
 #include "nerf/train/training_views.h"
 
-#include <cstdint>
 #include <vector>
 
 namespace structnerf {
@@ -20,13 +19,12 @@ namespace structnerf {
 // - other views show much the same colours there.
 // Which of them is right is left to the other views (plane_completion.h).
 //
-// `segments`: label of each pixel or -1. `border`: how far, in pixels, a match
-// may be off at an edge; half the side of the matching window. `direction`:
-// dominant direction in the camera frame. `warps`: to each of the `sources`, to
-// compare colours. Returns the best few planes of each segment, by label.
+// `border`: how far, in pixels, a match may be off at an edge; half the side of
+// the matching window, at least 2. `direction`: dominant direction in the
+// camera frame. `warps`: to each of the `sources`, to compare colours. Returns
+// the best few planes of each of the view's segments, by label.
 std::vector<std::vector<PlaneHypothesis>> FindPlaneHypotheses(
     const PlaneView& view,
-    const std::vector<int32_t>& segments,
     int border,
     const Eigen::Vector3f& direction,
     int view_idx,

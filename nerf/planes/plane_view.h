@@ -1,7 +1,6 @@
 #pragma once
 
 #include "nerf/scene.h"
-#include "nerf/train/training_views.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -18,12 +17,17 @@ struct PlaneView {
   int height = 0;
   PinholeCamera camera;  // of the training image
 
-  // Inverse depth (field units) at pixel centres, 0 = none. Row-major.
+  // Inverse depth (field units) at pixel centres, not positive = none.
+  // Row-major.
   std::vector<float> rho;
 
   // Whether a pixel matches clearly better at its depth than nearby, and later,
   // whether other views confirm it too.
   std::vector<uint8_t> is_reliable;
+
+  // Label of each pixel's superpixel or -1, masked pixels -1; empty where there
+  // are no superpixels.
+  std::vector<int32_t> segments;
 
   size_t Index(const int col, const int row) const {
     return static_cast<size_t>(row) * width + col;

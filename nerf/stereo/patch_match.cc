@@ -147,7 +147,8 @@ class PixelBlock {
                  hn::Lt(cost, hn::Set(d, kWorstCost))));
   }
 
-  // Compares with the same plane, nearer and farther away.
+  // Compares with the same plane, nearer and farther away. What no source sees
+  // has nothing to compare.
   void MeasureDistinctness() {
     const D d;
     const Planes planes = Load();
@@ -160,10 +161,16 @@ class PixelBlock {
             hn::Mul(planes.rho_x, factor),
             hn::Mul(planes.rho_y, factor)},
            &other_cost);
+      // Out of sight is no evidence.
+      other_cost = hn::IfThenElse(
+          hn::Lt(other_cost, hn::Set(d, kWorstCost)), other_cost, cost);
       nearest_cost = hn::Min(nearest_cost, other_cost);
     }
     HWY_ALIGN float values[16] = {};
-    hn::Store(hn::Sub(nearest_cost, cost), d, values);
+    hn::Store(hn::IfThenElseZero(hn::Lt(cost, hn::Set(d, kWorstCost)),
+                                 hn::Sub(nearest_cost, cost)),
+              d,
+              values);
     for (int i = 0; i < num_pixels_; ++i) {
       sweep_.maps->distinctness[Index(i)] = values[i];
     }

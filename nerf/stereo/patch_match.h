@@ -28,8 +28,8 @@ struct PlaneMaps {
   std::vector<float> cost;
 
   // How much worse the pixel matches a little in front of and behind its plane:
-  // the smaller of both differences in cost. Near zero where depth is not seen
-  // but only assumed, as on blank surfaces.
+  // the smallest difference in cost. Near zero (or below) where depth is not
+  // seen but only assumed, as on blank surfaces; 0 if no source sees it.
   std::vector<float> distinctness;
 };
 

@@ -122,6 +122,43 @@ TEST(DepthRefinement, ResolutionsAreMappedExactly) {
   }
 }
 
+// Also where the image's pixels lie between those of the maps.
+TEST(DepthRefinement, PlanesOfASlantedWallAreThoseOfItsMaps) {
+  for (const auto& [width, height] :
+       {std::pair(128, 96), {64, 48}, {51, 40}, {17, 96}}) {
+    TexturedPlane plane;
+    const Scene scene = MakeScene(&plane, width, height);
+    const View& view = scene.views[0];
+    const SceneFrame frame = MakeFrame();
+    const TrainingViews views(scene, frame);
+    ThreadPool pool(2);
+    DenseMaps maps = MakeMaps(plane, view, 1.0);
+    const PlaneMaps planes =
+        PlanesOfMaps(view, frame, views.image(0), &pool, maps);
+    ASSERT_EQ(planes.width, width);
+    ASSERT_EQ(planes.height, height);
+    const auto rho_at = [&](const double col, const double row) {
+      const double depth = plane.Depth(
+          view, (col + 0.5) * 128 / width, (row + 0.5) * 96 / height);
+      return 1 / (depth * frame.scale);
+    };
+    for (int row = 0; row < height; ++row) {
+      for (int col = 0; col < width; ++col) {
+        const size_t i = static_cast<size_t>(row) * width + col;
+        const double rho = rho_at(col, row);
+        EXPECT_NEAR(planes.rho[i], rho, 1e-5 * rho);
+        EXPECT_NEAR(planes.rho_x[i], rho_at(col + 1, row) - rho, 1e-5 * rho);
+        EXPECT_NEAR(planes.rho_y[i], rho_at(col, row + 1) - rho, 1e-5 * rho);
+      }
+    }
+    // No depth, no plane.
+    maps.depth.assign(maps.depth.size(), 0);
+    const std::vector<float> zeros(planes.rho.size(), 0);
+    EXPECT_EQ(PlanesOfMaps(view, frame, views.image(0), &pool, maps).rho,
+              zeros);
+  }
+}
+
 TEST(DepthRefinement, DepthAndNormalsConverge) {
   TexturedPlane plane;
   const Scene scene = MakeScene(&plane, 64, 48);
@@ -169,6 +206,24 @@ TEST(DepthRefinement, WhatDoesNotMatchStays) {
   RefineMaps(scene, StereoOptions(), 0.9, &maps);
   EXPECT_EQ(maps.depth, before.depth);
   EXPECT_EQ(maps.normal, before.normal);
+  EXPECT_EQ(maps.distinctness, std::vector<float>(maps.depth.size(), 0));
+}
+
+TEST(DepthRefinement, WhatMatchesIsDistinct) {
+  TexturedPlane plane;
+  const Scene scene = MakeScene(&plane, 64, 48);
+  DenseMaps maps = MakeMaps(plane, scene.views[0], 1.0);
+  maps.depth[48 * 128 + 64] = 0;
+  RefineMaps(scene, StereoOptions(), 0.5, &maps);
+  ASSERT_EQ(maps.distinctness.size(), maps.depth.size());
+  EXPECT_EQ(maps.distinctness[48 * 128 + 64], 0.0f);
+  double sum = 0;
+  for (int row = 14; row < 82; ++row) {
+    for (int col = 14; col < 114; ++col) {
+      sum += maps.distinctness[static_cast<size_t>(row) * 128 + col];
+    }
+  }
+  EXPECT_GT(sum / (68 * 100), 0.03);
 }
 
 TEST(DepthRefinement, PixelsWithoutDepthOrNormalDoNoHarm) {
