@@ -251,6 +251,18 @@ class FusedEngine : public GridEngine {
     return seconds;
   }
 
+  WorkCounts Work() const override {
+    WorkCounts sum;
+    for (const std::unique_ptr<FusedTile>& tile : tiles_) {
+      const WorkCounts& work = *tile->Work();
+      sum.num_rays += work.num_rays;
+      sum.num_samples += work.num_samples;
+      sum.num_color_samples += work.num_color_samples;
+      sum.num_gradient_samples += work.num_gradient_samples;
+    }
+    return sum;
+  }
+
  protected:
   DensityCache* MutableCache() override { return &cache_; }
 
@@ -296,15 +308,21 @@ class FusedEngine : public GridEngine {
                    gradients,
                    d_weight,
                    result.network_gradient.data());
-    grid_.SetTileGradient(result_idx,
-                          tile->Position(0),
-                          tile->Position(1),
-                          tile->Position(2),
-                          tile->NumSamples(),
-                          level_weights_,
-                          tile->DEncoding(),
-                          tile->Thread());
+    const size_t num_gradient_samples =
+        grid_.SetTileGradient(result_idx,
+                              tile->Position(0),
+                              tile->Position(1),
+                              tile->Position(2),
+                              tile->NumSamples(),
+                              level_weights_,
+                              tile->DEncoding(),
+                              tile->Thread());
     clock->Stop(EngineStage::kSortGradient);
+    WorkCounts* const work = tile->Work();
+    work->num_rays += rays.num_rays;
+    work->num_samples += tile->NumSamples();
+    work->num_color_samples += tile->NumColorSamples();
+    work->num_gradient_samples += num_gradient_samples;
 
     result.num_samples = tile->NumSamples();
     for (int axis = 0; axis < 3; ++axis) {

@@ -158,14 +158,14 @@ size_t FusedGrid::AddTiles(const size_t num_tiles) {
   return first_tile;
 }
 
-void FusedGrid::SetTileGradient(const size_t tile,
-                                const float* x,
-                                const float* y,
-                                const float* z,
-                                const size_t num_samples,
-                                const std::vector<float>& level_weights,
-                                const float* d_encoding,
-                                const int thread) {
+size_t FusedGrid::SetTileGradient(const size_t tile,
+                                  const float* x,
+                                  const float* y,
+                                  const float* z,
+                                  const size_t num_samples,
+                                  const std::vector<float>& level_weights,
+                                  const float* d_encoding,
+                                  const int thread) {
   Scratch& scratch = *scratch_[thread];
   const size_t width = layout_.encoding_width;
   const size_t num_selected = SelectSamples(
@@ -209,6 +209,7 @@ void FusedGrid::SetTileGradient(const size_t tile,
                  level_weight,
                  gradient.d_encoding.data());
   }
+  return num_selected;
 }
 
 size_t FusedGrid::SumBucket(const size_t level,

@@ -41,16 +41,17 @@ class FusedGrid {
   // there is, and returns the number of the first.
   size_t AddTiles(size_t num_tiles);
 
-  // Takes in the gradient by the features of one tile's points.
+  // Takes in the gradient by the features of one tile's points. Returns for how
+  // many of them it is more than rounding.
   //   d_encoding: samples x encoding_width.
-  void SetTileGradient(size_t tile,
-                       const float* x,
-                       const float* y,
-                       const float* z,
-                       size_t num_samples,
-                       const std::vector<float>& level_weights,
-                       const float* d_encoding,
-                       int thread);
+  size_t SetTileGradient(size_t tile,
+                         const float* x,
+                         const float* y,
+                         const float* z,
+                         size_t num_samples,
+                         const std::vector<float>& level_weights,
+                         const float* d_encoding,
+                         int thread);
 
   // The table in regions that are updated on their own.
   size_t NumBuckets() const { return buckets_.size(); }

@@ -3,6 +3,7 @@
 #include "nerf/engine/fused_grid.h"
 #include "nerf/engine/fused_network.h"
 #include "nerf/engine/ray_tile.h"
+#include "nerf/engine/render_engine.h"
 #include "nerf/engine/stage_clock.h"
 #include "nerf/field/density_cache.h"
 #include "nerf/kernels/compositing.h"
@@ -68,6 +69,7 @@ class FusedTile {
 
   // Of the rays rendered last.
   size_t NumSamples() const { return num_samples_; }
+  size_t NumColorSamples() const { return num_active_; }
   const float* Position(const int axis) const { return position_[axis].data(); }
   const float* DEncoding() const { return network_.d_encoding.data(); }
   void CopyRawDensity(float* raw_density) const;
@@ -75,6 +77,9 @@ class FusedTile {
   int Thread() const { return thread_; }
 
   StageClock* Clock() { return &clock_; }
+
+  // What this thread has done.
+  WorkCounts* Work() { return &work_; }
 
  private:
   void ForwardColor(const FusedField& field,
@@ -87,6 +92,7 @@ class FusedTile {
   const float min_color_weight_;
   const int thread_;
   StageClock clock_;
+  WorkCounts work_;
 
   size_t num_samples_ = 0;
   FusedNetwork::Buffers network_;

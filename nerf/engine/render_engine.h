@@ -75,6 +75,14 @@ enum class EngineStage {
 using StageSeconds =
     std::array<double, static_cast<size_t>(EngineStage::kCount)>;
 
+// Work done in training steps.
+struct WorkCounts {
+  size_t num_rays = 0;
+  size_t num_samples = 0;           // at which the density was evaluated
+  size_t num_color_samples = 0;     // and the colour
+  size_t num_gradient_samples = 0;  // whose gradient reached the grid
+};
+
 // What changes from step to step.
 struct StepParameters {
   int step = 0;
@@ -151,6 +159,9 @@ class RenderEngine {
   // Time spent in each stage so far, added up over threads; zero if the engine
   // does not keep it.
   virtual StageSeconds Profile() const { return {}; }
+
+  // Work of all calls of Accumulate so far; zero if the engine does not count.
+  virtual WorkCounts Work() const { return {}; }
 };
 
 // What every implementation is built from.
