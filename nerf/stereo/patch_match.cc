@@ -104,7 +104,9 @@ class PixelBlock {
     const Planes planes = Load();
     HWY_ALIGN float costs[kMaxSlots][16];
     for (int slot = 0; slot < sweep_.num_slots; ++slot) {
-      hn::Store(CostOf(hn::Set(di, slot), planes), d, costs[slot]);
+      const PixelWarp warp = Warp(hn::Set(di, slot));
+      hn::Store(
+          SourceCost(sweep_.grays, warp, window_, planes), d, costs[slot]);
     }
     for (int i = 0; i < num_pixels_; ++i) {
       int order[kMaxSlots];
@@ -129,7 +131,7 @@ class PixelBlock {
       for (int i = 0; i < num_pixels_; ++i) {
         slots[i] = sweep_.best_slots[Index(i) * sweep_.num_used_slots + k];
       }
-      slots_[k] = hn::Load(di, slots);
+      warps_[k] = Warp(hn::Load(di, slots));
     }
   }
 
@@ -266,9 +268,8 @@ class PixelBlock {
     }
   }
 
-  V CostOf(const VI slot, const Planes& planes) const {
-    return SourceCost(
-        sweep_.grays, GatherWarps(sweep_.warps, slot), window_, x_, y_, planes);
+  PixelWarp Warp(const VI slot) const {
+    return MakePixelWarp(GatherWarps(sweep_.warps, slot), x_, y_);
   }
 
   // Total cost; the matching cost alone goes to `cost`. What does not match at
@@ -277,7 +278,7 @@ class PixelBlock {
   V Cost(const Planes& planes, V* cost) {
     V costs[kMaxSlots];
     for (int k = 0; k < sweep_.num_used_slots; ++k) {
-      costs[k] = CostOf(slots_[k], planes);
+      costs[k] = SourceCost(sweep_.grays, warps_[k], window_, planes);
     }
     *cost = MeanOfBest(
         costs, sweep_.num_used_slots, sweep_.options->num_best_sources);
@@ -290,6 +291,9 @@ class PixelBlock {
     // Planes behind the camera, or far outside of what the seed leaves open.
     allowed = hn::And(allowed,
                       hn::Gt(planes.rho, hn::Mul(seed_rho_, hn::Set(d, 0.2f))));
+    if (hn::AllFalse(d, allowed)) {
+      return;
+    }
     V cost;
     const V total = Cost(planes, &cost);
     const M better = hn::And(allowed, hn::Lt(total, best_total_));
@@ -334,7 +338,7 @@ class PixelBlock {
   V y_;
   V seed_rho_;
   Window window_;
-  VI slots_[kMaxSlots];
+  PixelWarp warps_[kMaxSlots];  // of the sources that are used
   Planes best_;
   V best_cost_;
   V best_total_;

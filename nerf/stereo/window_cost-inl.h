@@ -21,6 +21,8 @@ HWY_BEFORE_NAMESPACE();
 namespace structnerf {
 namespace HWY_NAMESPACE {
 
+using DU = hn::RebindToUnsigned<D>;
+
 constexpr int kMaxWindowTaps = 121;
 
 // Fall-off of a tap's weight with its difference in grey value to the centre,
@@ -34,11 +36,20 @@ constexpr float kNoiseVariance = 1.5e-5f;
 
 constexpr float kWorstCost = 2.0f;
 
-// Taps of the view itself: weights sum to one, values have mean zero.
+// Most taps along a side of the window.
+constexpr int kMaxWindowSide = 11;
+static_assert(kMaxWindowSide * kMaxWindowSide == kMaxWindowTaps);
+
+// Distance in pixels that a window keeps from the border of a source, so that
+// taps whose place is rounded stay inside.
+constexpr float kBorder = 0.01f;
+
+// Taps of the view itself, row by row: weights sum to one, values have mean
+// zero.
 struct Window {
   int num_taps = 0;
-  float dx[kMaxWindowTaps];
-  float dy[kMaxWindowTaps];
+  int side = 0;                  // taps per row and column
+  float offset[kMaxWindowSide];  // of a row or column from the centre
   V weight[kMaxWindowTaps];
   V reference[kMaxWindowTaps];
   V variance;
@@ -72,6 +83,10 @@ HWY_INLINE void ReadWindow(const StereoOptions& options,
   }
   const V center_value = hn::Load(d, center);
   window->num_taps = 0;
+  window->side = 0;
+  for (int offset = -radius; offset <= radius; offset += step) {
+    window->offset[window->side++] = static_cast<float>(offset);
+  }
   V sum_weights = hn::Zero(d);
   V sum = hn::Zero(d);
   for (int dy = -radius; dy <= radius; dy += step) {
@@ -90,8 +105,6 @@ HWY_INLINE void ReadWindow(const StereoOptions& options,
         }
       }
       const int tap = window->num_taps++;
-      window->dx[tap] = static_cast<float>(dx);
-      window->dy[tap] = static_cast<float>(dy);
       // Relative to the centre, blank patches are exactly zero.
       const V value = hn::Sub(hn::Load(d, values), center_value);
       const float distance2 =
@@ -120,66 +133,176 @@ HWY_INLINE void ReadWindow(const StereoOptions& options,
   }
 }
 
+// One source per lane, seen from a vector of pixels: the point at (dx, dy) from
+// the pixel, at inverse depth rho, lands at
+// center + dx by_x + dy by_y + rho b, homogeneous.
+struct PixelWarp {
+  V center[3];
+  V by_x[3];
+  V by_y[3];
+  V b[3];
+  V max_u;        // largest pixel coordinates of the source at which its grey
+  V max_v;        // values can be interpolated
+  VI first_byte;  // of the source's grey values
+  VI row_bytes;   // 0 marks an empty slot
+};
+
+HWY_INLINE PixelWarp MakePixelWarp(const WarpVector& warp,
+                                   const V x,
+                                   const V y) {
+  const D d;
+  PixelWarp result;
+  for (int i = 0; i < 3; ++i) {
+    result.by_x[i] = warp.h[3 * i];
+    result.by_y[i] = warp.h[3 * i + 1];
+    result.center[i] = hn::MulAdd(
+        result.by_x[i], x, hn::MulAdd(result.by_y[i], y, warp.h[3 * i + 2]));
+    result.b[i] = warp.b[i];
+  }
+  result.max_u = hn::Sub(warp.width, hn::Set(d, 1.0f + kBorder));
+  result.max_v = hn::Sub(warp.height, hn::Set(d, 1.0f + kBorder));
+  result.first_byte = hn::ShiftLeft<1>(warp.first_pixel);
+  result.row_bytes = hn::ShiftLeft<1>(warp.stride);
+  return result;
+}
+
+// The pixel coordinates, first pixel's centre at zero, of a homogeneous point.
+HWY_INLINE void Project(const V* p, V* u, V* v) {
+  const D d;
+  const V guess = hn::ApproximateReciprocal(p[2]);
+  const V inverse =  // Newton
+      hn::Mul(guess, hn::NegMulAdd(p[2], guess, hn::Set(d, 2.0f)));
+  *u = hn::MulSub(p[0], inverse, hn::Set(d, 0.5f));
+  *v = hn::MulSub(p[1], inverse, hn::Set(d, 0.5f));
+}
+
+// Where the source sees the whole window. A plane's window lands in a convex
+// quadrilateral, so its corners tell.
+HWY_INLINE M SeesWindow(const PixelWarp& warp,
+                        const Window& window,
+                        const V* center,
+                        const V* by_x,
+                        const V* by_y) {
+  const D d;
+  const V border = hn::Set(d, kBorder);
+  M result = hn::RebindMask(d, hn::Gt(warp.row_bytes, hn::Zero(DI())));
+  const float ends[2] = {window.offset[0], window.offset[window.side - 1]};
+  for (const float dy : ends) {
+    for (const float dx : ends) {
+      V p[3];
+      for (int i = 0; i < 3; ++i) {
+        p[i] = hn::MulAdd(by_x[i],
+                          hn::Set(d, dx),
+                          hn::MulAdd(by_y[i], hn::Set(d, dy), center[i]));
+      }
+      V u;
+      V v;
+      Project(p, &u, &v);
+      result = hn::And(result, hn::Gt(p[2], hn::Set(d, kMinDepthRatio)));
+      result =
+          hn::And(result, hn::And(hn::Ge(u, border), hn::Lt(u, warp.max_u)));
+      result =
+          hn::And(result, hn::And(hn::Ge(v, border), hn::Lt(v, warp.max_v)));
+    }
+  }
+  return result;
+}
+
+// Grey value in [0, kMaxGray] by bilinear interpolation. `brightest` becomes at
+// least the brightest of the pixels read.
+HWY_INLINE V InterpolateGray(const uint16_t* grays,
+                             const PixelWarp& warp,
+                             const V u,
+                             const V v,
+                             const M is_seen,
+                             VI* brightest) {
+  const D d;
+  const DI di;
+  const DU du;
+  const VI x = hn::ConvertTo(di, u);
+  const VI y = hn::ConvertTo(di, v);
+  const V fu = hn::Sub(u, hn::ConvertTo(d, x));
+  const V fv = hn::Sub(v, hn::ConvertTo(d, y));
+  const VI top_byte = hn::IfThenElseZero(
+      hn::RebindMask(di, is_seen),
+      hn::Add(hn::Mul(y, warp.row_bytes),
+              hn::Add(warp.first_byte, hn::ShiftLeft<1>(x))));
+  const VI bottom_byte = hn::IfThenElseZero(hn::RebindMask(di, is_seen),
+                                            hn::Add(top_byte, warp.row_bytes));
+  // One 32-bit read holds two neighbours in a row.
+  const int* const base = reinterpret_cast<const int*>(grays);
+  const VI top = hn::GatherOffset(di, base, top_byte);
+  const VI bottom = hn::GatherOffset(di, base, bottom_byte);
+  const auto right = [&](const VI pair) HWY_ATTR {
+    return hn::BitCast(di, hn::ShiftRight<16>(hn::BitCast(du, pair)));
+  };
+  const VI low = hn::Set(di, 0xffff);
+  const VI i00 = hn::And(top, low);
+  const VI i01 = right(top);
+  const VI i10 = hn::And(bottom, low);
+  const VI i11 = right(bottom);
+  *brightest =
+      hn::Max(*brightest, hn::Max(hn::Max(i00, i01), hn::Max(i10, i11)));
+  const V v00 = hn::ConvertTo(d, i00);
+  const V v10 = hn::ConvertTo(d, i10);
+  const V top_value = hn::MulAdd(fu, hn::Sub(hn::ConvertTo(d, i01), v00), v00);
+  const V bottom_value =
+      hn::MulAdd(fu, hn::Sub(hn::ConvertTo(d, i11), v10), v10);
+  return hn::MulAdd(fv, hn::Sub(bottom_value, top_value), top_value);
+}
+
 // One minus the correlation with one source per lane; kWorstCost where the
 // source does not see the whole patch.
 HWY_INLINE V SourceCost(const uint16_t* grays,
-                        const WarpVector& warp,
+                        const PixelWarp& warp,
                         const Window& window,
-                        const V x,
-                        const V y,
                         const Planes& planes) {
   const D d;
+  const DI di;
   const V one = hn::Set(d, 1.0f);
-  const V half = hn::Set(d, 0.5f);
   V center[3];
   V by_x[3];
   V by_y[3];
   for (int i = 0; i < 3; ++i) {
-    center[i] = hn::MulAdd(
-        warp.h[3 * i],
-        x,
-        hn::MulAdd(warp.h[3 * i + 1],
-                   y,
-                   hn::MulAdd(warp.b[i], planes.rho, warp.h[3 * i + 2])));
-    by_x[i] = hn::MulAdd(warp.b[i], planes.rho_x, warp.h[3 * i]);
-    by_y[i] = hn::MulAdd(warp.b[i], planes.rho_y, warp.h[3 * i + 1]);
+    center[i] = hn::MulAdd(warp.b[i], planes.rho, warp.center[i]);
+    by_x[i] = hn::MulAdd(warp.b[i], planes.rho_x, warp.by_x[i]);
+    by_y[i] = hn::MulAdd(warp.b[i], planes.rho_y, warp.by_y[i]);
   }
-  M valid = hn::RebindMask(d, hn::Gt(warp.stride, hn::Zero(DI())));
+  const M is_seen = SeesWindow(warp, window, center, by_x, by_y);
+  if (hn::AllFalse(d, is_seen)) {
+    return hn::Set(d, kWorstCost);
+  }
+  VI brightest = hn::Zero(di);
   V sum = hn::Zero(d);
   V sum_squares = hn::Zero(d);
   V covariance = hn::Zero(d);
-  for (int tap = 0; tap < window.num_taps; ++tap) {
-    const V dx = hn::Set(d, window.dx[tap]);
-    const V dy = hn::Set(d, window.dy[tap]);
-    V p[3];
+  int tap = 0;
+  for (int row = 0; row < window.side; ++row) {
+    const V dy = hn::Set(d, window.offset[row]);
+    V row_center[3];
     for (int i = 0; i < 3; ++i) {
-      p[i] = hn::MulAdd(by_x[i], dx, hn::MulAdd(by_y[i], dy, center[i]));
+      row_center[i] = hn::MulAdd(by_y[i], dy, center[i]);
     }
-    valid = hn::And(valid, hn::Gt(p[2], hn::Set(d, kMinDepthRatio)));
-    const V inverse = hn::Div(one, hn::Max(p[2], hn::Set(d, kMinDepthRatio)));
-    const V u = hn::MulSub(p[0], inverse, half);
-    const V v = hn::MulSub(p[1], inverse, half);
-    valid = hn::And(valid, IsInside(warp, u, v));
-    if (hn::AllFalse(d, valid)) {
-      return hn::Set(d, kWorstCost);
+    for (int col = 0; col < window.side; ++col, ++tap) {
+      const V dx = hn::Set(d, window.offset[col]);
+      V p[3];
+      for (int i = 0; i < 3; ++i) {
+        p[i] = hn::MulAdd(by_x[i], dx, row_center[i]);
+      }
+      V u;
+      V v;
+      Project(p, &u, &v);
+      const V value = InterpolateGray(grays, warp, u, v, is_seen, &brightest);
+      const V weighted = hn::Mul(window.weight[tap], value);
+      sum = hn::Add(sum, weighted);
+      sum_squares = hn::MulAdd(weighted, value, sum_squares);
+      covariance = hn::MulAdd(weighted, window.reference[tap], covariance);
     }
-    V by_u;
-    V by_v;
-    M unmasked;
-    const V value = Bilinear(grays,
-                             warp,
-                             hn::IfThenElseZero(valid, u),
-                             hn::IfThenElseZero(valid, v),
-                             valid,
-                             &by_u,
-                             &by_v,
-                             &unmasked);
-    valid = hn::And(valid, unmasked);
-    const V weighted = hn::Mul(window.weight[tap], value);
-    sum = hn::Add(sum, weighted);
-    sum_squares = hn::MulAdd(weighted, value, sum_squares);
-    covariance = hn::MulAdd(weighted, window.reference[tap], covariance);
   }
+  const V scale = hn::Set(d, kInverseMaxGray);
+  sum = hn::Mul(sum, scale);
+  sum_squares = hn::Mul(sum_squares, hn::Mul(scale, scale));
+  covariance = hn::Mul(covariance, scale);
   // Values are in [0, 1] and weights sum to one, so this cancels to 1e-7 at
   // worst, far below the variance that counts as noise.
   const V variance = hn::Max(hn::NegMulAdd(sum, sum, sum_squares), hn::Zero(d));
@@ -188,8 +311,12 @@ HWY_INLINE V SourceCost(const uint16_t* grays,
       hn::Div(covariance,
               hn::Sqrt(hn::Mul(hn::Add(window.variance, noise),
                                hn::Add(variance, noise))));
+  const M is_valid = hn::And(
+      is_seen,
+      hn::RebindMask(
+          d, hn::Ne(brightest, hn::Set(di, TrainingViews::kMaskedGray))));
   return hn::IfThenElse(
-      valid, hn::Sub(one, correlation), hn::Set(d, kWorstCost));
+      is_valid, hn::Sub(one, correlation), hn::Set(d, kWorstCost));
 }
 
 // Mean of the `count` smallest of costs[0 .. n), per lane; slots that see
