@@ -102,6 +102,7 @@ class Reconstructor::Impl {
       throw std::invalid_argument(error);
     }
     scene.Check();
+    const int num_contradictory = RemoveContradictoryPoints(&scene);
     frame = ComputeSceneFrame(scene);
     for (size_t v = 0; v < scene.views.size(); ++v) {
       // As the paper, the 8th, 16th, ... are held out, not the first.
@@ -117,7 +118,7 @@ class Reconstructor::Impl {
     sources = SelectSourceViews(scene, options.loss.num_sources);
     const std::vector<std::vector<int>> training_sources =
         SelectTrainingSources(sources, options.loss, train_view_idxs);
-    findings = InspectScene(scene, sources);
+    findings = InspectScene(scene, sources, num_contradictory);
     PreparePriors();
     objective =
         std::make_unique<TrainingObjective>(scene,

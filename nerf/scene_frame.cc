@@ -20,6 +20,9 @@ constexpr double kMaxReach = 3;
 
 constexpr double kNearFactor = 0.3;
 
+// Least near depth, relative to the median depth of the points.
+constexpr double kMinNear = 1e-3;
+
 // A box must not be flatter than this share of its longest side, or
 // grid levels degenerate.
 constexpr double kMinSideRatio = 0.05;
@@ -99,8 +102,10 @@ SceneFrame ComputeSceneFrame(const Scene& scene) {
   frame.origin = center - 0.5 * sides;
   frame.scale = 1.0 / sides.maxCoeff();
   frame.extent = (sides * frame.scale).cast<float>();
-  frame.near = kNearFactor * Percentile(&depths, kLowPercentile) * frame.scale;
   frame.median_depth = Percentile(&depths, 0.5) * frame.scale;
+  frame.near =
+      std::max(kNearFactor * Percentile(&depths, kLowPercentile) * frame.scale,
+               kMinNear * frame.median_depth);
   return frame;
 }
 

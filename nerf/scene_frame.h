@@ -27,7 +27,7 @@ struct SceneFrame {
 // The box holds the cameras and the 1st to 99th percentile of the sparse points
 // (those with a track and not behind their cameras), as far as they are not out
 // of all proportion to the middle half, widened by 15 %. The near depth is 0.3
-// times the 1st percentile of the points' depths.
+// times the 1st percentile of points' depths, at least 1e-3 of their median.
 // Throws std::invalid_argument if the scene has fewer than two views, no usable
 // points or no extent.
 SceneFrame ComputeSceneFrame(const Scene& scene);

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <stdexcept>
+#include <utility>
 
 namespace structnerf {
 namespace {
@@ -11,6 +13,35 @@ namespace {
 // Grey levels that the pixels of a view of a single colour may span: what
 // compression leaves of it.
 constexpr int kMaxPlainRange = 2;
+
+// Largest distance between where a point is and where it was seen.
+constexpr double kMaxReprojectionError = 8;             // pixels
+constexpr double kMaxRelativeReprojectionError = 0.02;  // of the longer side
+
+// Points that contradict their views are worth a warning from this share on.
+constexpr double kManyContradictions = 0.1;
+
+bool IsContradictory(const Scene& scene, const SparsePoint& point) {
+  double sum = 0;  // of distances, 1 = the largest allowed
+  for (const Observation& observation : point.track) {
+    const View& view = scene.views[observation.view_idx];
+    const PinholeCamera& camera = view.camera;
+    const Eigen::Vector3d in_view = view.cam_from_world_rotation * point.xyz +
+                                    view.cam_from_world_translation;
+    const double longer_side = std::max(camera.width, camera.height);
+    double distance = longer_side;
+    if (in_view.z() > 0) {
+      const Eigen::Vector2d projected(
+          camera.fx * in_view.x() / in_view.z() + camera.cx,
+          camera.fy * in_view.y() / in_view.z() + camera.cy);
+      // A single one must not outweigh a whole track.
+      distance = std::min(longer_side, (projected - observation.xy).norm());
+    }
+    sum += distance / std::max(kMaxReprojectionError,
+                               kMaxRelativeReprojectionError * longer_side);
+  }
+  return sum > static_cast<double>(point.track.size());
+}
 
 bool HasSingleColor(const View& view) {
   uint8_t low[3] = {255, 255, 255};
@@ -36,8 +67,24 @@ bool HasSingleColor(const View& view) {
 
 }  // namespace
 
+int RemoveContradictoryPoints(Scene* scene) {
+  std::vector<SparsePoint> others;
+  std::copy_if(scene->points.begin(),
+               scene->points.end(),
+               std::back_inserter(others),
+               [&](const SparsePoint& point) {
+                 return !IsContradictory(*scene, point);
+               });
+  const size_t num_contradictory = scene->points.size() - others.size();
+  if (2 * num_contradictory <= scene->points.size()) {
+    scene->points = std::move(others);
+  }
+  return static_cast<int>(num_contradictory);
+}
+
 SceneFindings InspectScene(const Scene& scene,
-                           const std::vector<std::vector<int>>& sources) {
+                           const std::vector<std::vector<int>>& sources,
+                           const int num_contradictory) {
   if (std::all_of(sources.begin(), sources.end(), [](const auto& of_view) {
         return of_view.empty();
       })) {
@@ -53,6 +100,13 @@ SceneFindings InspectScene(const Scene& scene,
     }
   }
   SceneFindings findings;
+  findings.counts["contradictory_point"] = num_contradictory;
+  if (num_contradictory > kManyContradictions * scene.points.size()) {
+    findings.warnings.push_back(
+        std::to_string(num_contradictory) +
+        " sparse points do not project to where the images saw them; poses and "
+        "points may not belong together");
+  }
   int& num_without_points = findings.counts["view_without_points"];
   int& num_without_baseline = findings.counts["view_without_baseline"];
   int& num_plain = findings.counts["view_of_single_color"];

@@ -110,8 +110,10 @@ void DensityCache::Observe(const float* x,
                            const size_t count,
                            const float decay) {
   const auto coordinate = [&](const float position, const int axis) {
-    return std::min(std::max(static_cast<int>(position * cells_per_unit_), 0),
-                    dimensions_[axis] - 1);
+    // In this order, NaN becomes zero.
+    return static_cast<int>(
+        std::min(std::max(0.0f, position * cells_per_unit_),
+                 static_cast<float>(dimensions_[axis] - 1)));
   };
   for (size_t i = 0; i < count; ++i) {
     ObserveCell(

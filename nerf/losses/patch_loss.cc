@@ -374,7 +374,7 @@ void PatchLoss::Evaluate(const int num_rays,
       const float inverse = num_used > 0 ? 1.0f / num_used : 0.0f;
       const float rho = 1.0f / depth[begin + ray];
       loss[begin + ray] = sum * inverse;
-      d_depth[begin + ray] = -rho * rho * sum_by_rho * inverse;
+      d_depth[begin + ray] = -rho * (rho * sum_by_rho) * inverse;
       num_valid[begin + ray] = num_used;
     }
   }

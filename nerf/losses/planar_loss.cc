@@ -57,7 +57,7 @@ float EvaluatePlanarLoss(const PlanarGroup& group,
   for (int i = 0; i < 4; ++i) {
     const float coefficient = i == 3 ? 1.0f : -group.barycentric[i];
     const float d_rho = d_residual * (coefficient - 0.25f * residual) / mean;
-    d_depth[i] = -rho[i] * rho[i] * d_rho;
+    d_depth[i] = -rho[i] * (rho[i] * d_rho);
   }
   return loss;
 }

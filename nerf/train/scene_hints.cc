@@ -63,8 +63,18 @@ void SceneHints::CollectSparseRays(const Scene& scene,
                                    const SceneFrame& frame,
                                    const std::vector<int>& train_view_idxs,
                                    const LossOptions& options) {
-  const std::vector<std::vector<DepthSample>> samples =
-      CollectDepthSamples(scene);
+  std::vector<std::vector<DepthSample>> samples = CollectDepthSamples(scene);
+  for (std::vector<DepthSample>& of_view : samples) {
+    // No ray ends nearer, and relative to the depth of a point inside its
+    // camera all errors explode.
+    of_view.erase(std::remove_if(of_view.begin(),
+                                 of_view.end(),
+                                 [&](const DepthSample& sample) {
+                                   return sample.depth * frame.scale <
+                                          frame.near;
+                                 }),
+                  of_view.end());
+  }
   const bool has_deviation =
       SparseFormFromName(options.sparse_form) == SparseForm::kRayTermination;
   for (const int view_idx : train_view_idxs) {

@@ -131,9 +131,11 @@ void TrainingGuards::CountPatches() {
   patch_counts_ = counts;
   counts_["step_without_valid_patch"] += has_none;
   num_steps_without_patch_ = has_none ? num_steps_without_patch_ + 1 : 0;
-  if (num_steps_without_patch_ > kMaxStepsWithoutPatch) {
+  // Sparse points may have to bring the depths near the truth first.
+  if (num_steps_without_patch_ > kMaxStepsWithoutPatch &&
+      2 * num_steps_without_patch_ > options_.training.num_steps) {
     throw std::runtime_error(
-        "training stopped: in " + std::to_string(kMaxStepsWithoutPatch) +
+        "training stopped: in " + std::to_string(num_steps_without_patch_) +
         " steps no image patch was seen by another view; the images are too "
         "small or do not overlap. Check the poses, raise max_image_size, lower "
         "patch_dilation, or set patch_weight to 0 to train without patches");

@@ -23,8 +23,9 @@ namespace structnerf {
 //   a step whose patches are all       nothing: the other terms go on
 //   outside of every source view
 //
-// Each is counted. Once kMaxRestores, kMaxRestarts or kMaxStepsWithoutPatch is
-// exceeded, std::runtime_error says what was seen and what may be changed.
+// Each is counted. Once there are more than kMaxRestores, kMaxRestarts, or
+// kMaxStepsWithoutPatch in a row that also are half of the training,
+// std::runtime_error says what was seen and what may be changed.
 class TrainingGuards {
  public:
   // Steps between snapshots: a copy of the parameters takes about as long as a

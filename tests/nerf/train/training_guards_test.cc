@@ -170,7 +170,18 @@ TEST_F(TrainingGuardsTest, OneSamplePerRayIsNeverDead) {
   EXPECT_TRUE(guards.EndStep(99, 1.0, true));
 }
 
+TEST_F(TrainingGuardsTest, LongTrainingMayBeWithoutValidPatchForHalfOfIt) {
+  TrainingGuards guards = MakeGuards();
+  for (int i = 0; i < 500; ++i) {
+    Evaluate(1e-3f);
+    EXPECT_TRUE(guards.EndStep(0, 1.0, true));
+  }
+  Evaluate(1e-3f);
+  ExpectStop([&] { guards.EndStep(0, 1.0, true); }, "in 501 steps");
+}
+
 TEST_F(TrainingGuardsTest, StepsWithoutValidPatchAreCountedUpToALimit) {
+  options_.training.num_steps = 10;
   TrainingGuards guards = MakeGuards();
   // So close that no other view sees it.
   const float too_close = 1e-3f;
