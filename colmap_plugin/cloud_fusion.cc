@@ -1,10 +1,14 @@
 #include "colmap_plugin/cloud_fusion.h"
 
+#include "colmap_plugin/centred_workspace.h"
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <stdexcept>
 
+#include <colmap/util/endian.h>
 #include <colmap/util/ply.h>
 
 namespace structnerf {
@@ -38,13 +42,55 @@ void CheckWritten(const std::string& path, const size_t min_bytes) {
   }
 }
 
+// As colmap::WriteBinaryPlyPoints, but with the positions in double precision,
+// which COLMAP reads as well. Single precision would round points at 1e7 to one
+// unit.
+void WriteFarPlyPoints(const std::string& path,
+                       const std::vector<colmap::PlyPoint>& points,
+                       const Eigen::Vector3d& offset) {
+  std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  file << "ply\nformat binary_little_endian 1.0\nelement vertex "
+       << points.size() << "\n";
+  for (const char* property : {"double x",
+                               "double y",
+                               "double z",
+                               "float nx",
+                               "float ny",
+                               "float nz",
+                               "uchar red",
+                               "uchar green",
+                               "uchar blue"}) {
+    file << "property " << property << "\n";
+  }
+  file << "end_header\n";
+  for (const colmap::PlyPoint& point : points) {
+    const Eigen::Vector3d xyz =
+        offset + Eigen::Vector3d(point.x, point.y, point.z);
+    for (int axis = 0; axis < 3; ++axis) {
+      colmap::WriteBinaryLittleEndian<double>(&file, xyz[axis]);
+    }
+    for (const float component : {point.nx, point.ny, point.nz}) {
+      colmap::WriteBinaryLittleEndian<float>(&file, component);
+    }
+    for (const uint8_t channel : {point.r, point.g, point.b}) {
+      colmap::WriteBinaryLittleEndian<uint8_t>(&file, channel);
+    }
+  }
+}
+
+// `offset`: what is added to the points.
 void WriteCloud(const std::string& path,
                 const std::vector<colmap::PlyPoint>& points,
-                const std::vector<std::vector<int>>& visibility) {
+                const std::vector<std::vector<int>>& visibility,
+                const Eigen::Vector3d& offset) {
   const std::string visibility_path = path + ".vis";
   const std::string partial_path = path + ".partial";
   const std::string partial_visibility_path = visibility_path + ".partial";
-  colmap::WriteBinaryPlyPoints(partial_path, points);
+  if (offset.isZero(0)) {
+    colmap::WriteBinaryPlyPoints(partial_path, points);
+  } else {
+    WriteFarPlyPoints(partial_path, points, offset);
+  }
   colmap::mvs::WritePointsVisibility(partial_visibility_path, visibility);
 
   // COLMAP's writers do not notice a full disk.
@@ -128,8 +174,9 @@ size_t FuseMaps(const DenseWorkspace& workspace,
                 const colmap::mvs::StereoFusionOptions& options,
                 const size_t num_views,
                 Progress* progress) {
+  const CentredWorkspace centred(workspace);
   colmap::mvs::StereoFusion fusion(options,
-                                   workspace.Path(),
+                                   centred.Path(),
                                    /*workspace_format=*/"COLMAP",
                                    /*pmvs_option_name=*/"",
                                    MapTypeName(map_type));
@@ -151,9 +198,16 @@ size_t FuseMaps(const DenseWorkspace& workspace,
   if (aborted) {
     throw Aborted();
   }
+  std::vector<std::vector<int>> visibility = fusion.GetFusedPointsVisibility();
+  for (std::vector<int>& image_idxs : visibility) {
+    for (int& image_idx : image_idxs) {
+      image_idx = centred.ImageIdxs()[image_idx];
+    }
+  }
   WriteCloud(workspace.FusedPath(),
              fusion.GetFusedPoints(),
-             fusion.GetFusedPointsVisibility());
+             visibility,
+             centred.Offset());
   update.fraction = 1;
   progress->Report(update);
   return fusion.GetFusedPoints().size();

@@ -29,8 +29,9 @@ std::string FitFusionIntoMemory(const std::vector<PinholeCamera>& cameras,
                                 colmap::mvs::StereoFusionOptions* options);
 
 // Fuses the workspace's maps with colmap::mvs::StereoFusion into fused.ply and
-// fused.ply.vis. Returns the number of points, possibly 0. Throws Aborted if
-// told to, std::runtime_error if the files cannot be written.
+// fused.ply.vis; positions far from the origin are written in double precision.
+// Returns the number of points, possibly 0. Throws Aborted if told to,
+// std::runtime_error if the files cannot be written.
 size_t FuseMaps(const DenseWorkspace& workspace,
                 MapType map_type,
                 const colmap::mvs::StereoFusionOptions& options,

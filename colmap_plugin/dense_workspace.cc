@@ -22,6 +22,9 @@ constexpr const char* kStereoFolders[] = {
 constexpr const char* kMatchedFolder = "matched";
 constexpr size_t kMatchedChannels = 5;
 
+// Of maps that are read; what is larger is no map of ours.
+constexpr int kMaxMapSide = 1 << 16;
+
 // COLMAP's own writers do not notice a full disk, this does.
 void WriteFile(const std::string& path,
                const std::function<void(std::ostream*)>& write) {
@@ -63,17 +66,23 @@ void ReadMat(const std::string& path,
              StereoMaps* maps,
              std::vector<float>* data) {
   std::ifstream file(path, std::ios::binary);
+  int width = 0;
+  int height = 0;
   size_t num_channels = 0;
-  char separator = 0;
-  file >> maps->width >> separator >> maps->height >> separator >>
-      num_channels >> separator;
-  const size_t num_values = channels * maps->width * maps->height;
-  if (!file || num_channels != channels ||
-      fs::file_size(path) !=
-          static_cast<size_t>(file.tellg()) + num_values * sizeof(float)) {
+  char separators[3] = {};
+  file >> width >> separators[0] >> height >> separators[1] >> num_channels >>
+      separators[2];
+  const bool has_header = file && std::string(separators, 3) == "&&&" &&
+                          width > 0 && height > 0 && width <= kMaxMapSide &&
+                          height <= kMaxMapSide && num_channels == channels;
+  const size_t num_values = channels * width * height;
+  if (!has_header || fs::file_size(path) != static_cast<size_t>(file.tellg()) +
+                                                num_values * sizeof(float)) {
     throw std::runtime_error("The map " + path +
                              " is missing or damaged; run again.");
   }
+  maps->width = width;
+  maps->height = height;
   data->resize(num_values);
   colmap::ReadBinaryLittleEndian<float>(&file, data);
 }
@@ -189,7 +198,12 @@ StereoMaps DenseWorkspace::ReadMaps(const std::string& image_name,
                                     const MapType type) const {
   StereoMaps maps;
   ReadMat(DepthMapPath(image_name, type), 1, &maps, &maps.depth);
-  ReadMat(NormalMapPath(image_name, type), 3, &maps, &maps.normal);
+  StereoMaps normals;
+  ReadMat(NormalMapPath(image_name, type), 3, &normals, &maps.normal);
+  if (normals.width != maps.width || normals.height != maps.height) {
+    throw std::runtime_error("The depth and normal maps of " + image_name +
+                             " have different sizes; run again.");
+  }
   return maps;
 }
 

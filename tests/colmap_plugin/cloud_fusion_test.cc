@@ -1,11 +1,17 @@
 #include "colmap_plugin/cloud_fusion.h"
 
+#include "colmap_plugin/colmap_compat.h"
 #include "colmap_plugin/input_check.h"
 #include "tests/colmap_plugin/tiny_model.h"
 #include "tests/support/temp_dir.h"
 
 #include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
 
+#include <colmap/geometry/sim3.h>
+#include <colmap/util/endian.h>
 #include <colmap/util/ply.h>
 
 #include <gmock/gmock.h>
@@ -16,6 +22,21 @@ namespace {
 
 using testing::HasSubstr;
 using testing::IsEmpty;
+
+// Images that see each point of a cloud, as in its .vis file.
+std::vector<std::vector<uint32_t>> ReadPointsVisibility(
+    const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::vector<std::vector<uint32_t>> visibility(
+      colmap::ReadBinaryLittleEndian<uint64_t>(&file));
+  for (std::vector<uint32_t>& image_idxs : visibility) {
+    image_idxs.resize(colmap::ReadBinaryLittleEndian<uint32_t>(&file));
+    for (uint32_t& image_idx : image_idxs) {
+      image_idx = colmap::ReadBinaryLittleEndian<uint32_t>(&file);
+    }
+  }
+  return visibility;
+}
 
 // A workspace of views of the plane z = 4, with exact maps.
 class CloudFusionTest : public testing::Test {
@@ -66,6 +87,61 @@ TEST_F(CloudFusionTest, PointsLieOnThePlaneInModelUnits) {
   }
   EXPECT_TRUE(std::filesystem::exists(temp_dir_ / "dense/fused.ply.vis"));
   EXPECT_FALSE(std::filesystem::exists(temp_dir_ / "dense/fused.ply.partial"));
+}
+
+// Positions of a cloud that was written in double precision.
+std::vector<Eigen::Vector3d> ReadFarPoints(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  size_t num_points = 0;
+  bool is_double = false;
+  for (std::string line; std::getline(file, line) && line != "end_header";) {
+    if (line.compare(0, 15, "element vertex ") == 0) {
+      num_points = std::stoul(line.substr(15));
+    }
+    is_double |= line == "property double x";
+  }
+  EXPECT_TRUE(is_double);
+  std::vector<Eigen::Vector3d> points(num_points);
+  for (Eigen::Vector3d& point : points) {
+    file.read(reinterpret_cast<char*>(point.data()), 3 * sizeof(double));
+    file.ignore(3 * sizeof(float) + 3);
+  }
+  EXPECT_TRUE(file.good());
+  return points;
+}
+
+// A geo-referenced model: in single precision nothing would be left of it.
+TEST_F(CloudFusionTest, FarModelsGiveTheSameCloudFarAway) {
+  const size_t num_points = FuseMaps(
+      workspace_, MapType::kGeometric, options_, kNumViews, &progress_);
+  const Eigen::Vector3d offset(1.2e7, -7e6, 2e5);
+  colmap::Reconstruction model = ReadModel(workspace_.SparsePath());
+  model.Transform(colmap::Sim3d(1, Eigen::Quaterniond::Identity(), offset));
+  std::filesystem::remove_all(workspace_.SparsePath());
+  std::filesystem::create_directories(workspace_.SparsePath());
+  model.WriteBinary(workspace_.SparsePath());
+
+  EXPECT_NEAR(
+      FuseMaps(
+          workspace_, MapType::kGeometric, options_, kNumViews, &progress_),
+      num_points,
+      0.02 * num_points);
+  const auto points = ReadFarPoints(workspace_.FusedPath());
+  const auto visibility = ReadPointsVisibility(workspace_.FusedPath() + ".vis");
+  ASSERT_EQ(visibility.size(), points.size());
+  const colmap::Reconstruction far_model = ReadModel(workspace_.SparsePath());
+  const auto image_ids = RegisteredImageIds(far_model);
+  for (size_t i = 0; i < points.size(); ++i) {
+    EXPECT_NEAR(points[i].z() - offset.z(), 4, 1e-5);
+    for (const uint32_t image_idx : visibility[i]) {
+      // Where the image sees it.
+      const Eigen::Vector3d in_view =
+          far_model.Image(image_ids.at(image_idx)).CamFromWorld() * points[i];
+      EXPECT_NEAR(in_view.x() / in_view.z() * 60, 0, 33);
+    }
+  }
+  EXPECT_TRUE(colmap::ReadPly(workspace_.FusedPath()).size() == points.size());
+  EXPECT_FALSE(std::filesystem::exists(workspace_.ReportFolder() + "/centred"));
 }
 
 TEST_F(CloudFusionTest, CacheGivesTheSameCloud) {

@@ -148,8 +148,16 @@ TEST_F(DenseWorkspaceTest, NamesDamagedMap) {
     workspace_.ReadMaps("a.jpg", MapType::kPhotometric);
   };
   EXPECT_THAT(ErrorOf(read), HasSubstr(path));
-  std::ofstream(path) << "100000000&100000000&3&";
-  EXPECT_THAT(ErrorOf(read), HasSubstr(path));
+  for (const char* header : {"100000000&100000000&3&",
+                             "-1&-1&3&abcdabcdabcd",
+                             "0&0&3&",
+                             "1,1&3&abcdabcdabcd"}) {
+    std::ofstream(path) << header;
+    EXPECT_THAT(ErrorOf(read), HasSubstr(path));
+  }
+  // Sound by itself, but of another size than the other map.
+  std::ofstream(path) << "1&1&3&abcdabcdabcd";
+  EXPECT_THAT(ErrorOf(read), HasSubstr("different sizes"));
   std::filesystem::remove(path);
   EXPECT_THAT(ErrorOf(read), HasSubstr(path));
 }

@@ -126,9 +126,21 @@ TEST_F(BadInputTest, UnsupportedCamera) {
 }
 
 TEST_F(BadInputTest, NameThatLeavesTheWorkspace) {
-  model_.images[1].name = "../../1.png";
+  const std::string outside = temp_dir_ / "images/1.png";
+  for (const std::string& name : {std::string("../../1.png"),
+                                  std::string("a/../../1.png"),
+                                  std::string(".."),
+                                  std::string("./../1.png"),
+                                  std::string("1.png/"),
+                                  outside}) {
+    model_.images[1].name = name;
+    model_.WriteModel(temp_dir_ / "sparse/0");
+    ExpectError("\"" + name + "\"");
+  }
+  // What a terminal would obey is not shown to it.
+  model_.images[1].name = "1\x1b]0;title\x07\x7f.png";
   model_.WriteModel(temp_dir_ / "sparse/0");
-  ExpectError("../../1.png");
+  ExpectError("\"1?]0;title??.png\"");
 }
 
 TEST_F(BadInputTest, ExistingResultsNeedOverwrite) {
