@@ -1,0 +1,282 @@
+// Each loss in float against its formula in double, over all depths that a
+// scene can have.
+
+#include "nerf/losses/planar_loss.h"
+#include "nerf/util/random.h"
+#include "tests/nerf/losses/patch_loss_reference.h"
+#include "tests/nerf/losses/patch_scene.h"
+#include "tests/nerf/train/objective_scene.h"
+#include "tests/stability/double_compositing.h"
+#include "tests/stability/stability_case.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace structnerf {
+namespace {
+
+// Losses and gradients against double, both relative to the largest of a case.
+struct LossError {
+  double value = 0;
+  double gradient = 0;
+
+  std::string Text() const {
+    return "values within " + ShortNumber(value) + ", gradients within " +
+           ShortNumber(gradient) + " of double";
+  }
+};
+
+std::string Accept(const LossError& error,
+                   const double max_value,
+                   const double max_gradient,
+                   const std::string& more = "") {
+  RequireStable(error.value <= max_value && error.gradient <= max_gradient,
+                error.Text());
+  return error.Text() + more;
+}
+
+template <typename Function>
+double Slope(const Function& function, const double x, const double step) {
+  return (function(x + step) - function(x - step)) / (2 * step);
+}
+
+std::string MeasurePatchLoss() {
+  TexturedPlane plane;
+  const Scene scene = MakeSlantedScene(&plane);
+  const PatchSources sources = {{1, 2}, {0, 2}, {0, 1}};
+  const PatchLoss::Options options;
+  LossError error;
+  int num_compared = 0;
+  int num_apart = 0;
+  std::vector<double> gradient_errors;
+  for (double depth = 1e-6; depth < 1e12; depth *= 1.7) {
+    std::vector<PatchPixel> pixels;
+    for (int row = 6; row < 30; row += 6) {
+      for (int col = 6; col < 36; col += 6) {
+        pixels.push_back({0, col, row});
+      }
+    }
+    const PatchResult result =
+        EvaluatePatches(scene,
+                        sources,
+                        options,
+                        pixels,
+                        std::vector<double>(pixels.size(), depth));
+    for (size_t i = 0; i < pixels.size(); ++i) {
+      const auto reference = [&](const double d) {
+        return ReferencePatchLoss(
+            scene, options, 0, sources[0], pixels[i].col, pixels[i].row, d);
+      };
+      RequireStable(
+          std::isfinite(result.loss[i]) && std::isfinite(result.d_depth[i]),
+          "a loss is not finite");
+      const std::optional<double> expected = reference(depth);
+      if (expected.has_value() != (result.num_valid[i] > 0)) {
+        ++num_apart;  // a tap on the edge of its image
+        continue;
+      }
+      if (!expected) {
+        continue;
+      }
+      ++num_compared;
+      error.value = std::max(error.value, std::abs(result.loss[i] - *expected));
+      const double step = 1e-5 * depth;
+      const auto above = reference(depth + step);
+      const auto below = reference(depth - step);
+      if (above && below) {
+        gradient_errors.push_back(
+            depth *
+            std::abs(result.d_depth[i] - (*above - *below) / (2 * step)));
+      }
+    }
+  }
+  RequireStable(num_compared > 100, "too few patches compared");
+  // Where a tap crosses from pixel to pixel the numeric slope is no measure.
+  std::sort(gradient_errors.begin(), gradient_errors.end());
+  error.gradient = gradient_errors[gradient_errors.size() * 95 / 100];
+  return Accept(error,
+                1e-4,
+                5e-3,
+                "; " + std::to_string(num_compared) + " patches, of " +
+                    std::to_string(num_apart) + " only one says they are seen");
+}
+
+double PlanarLossInDouble(const PlanarGroup& group,
+                          const std::vector<double>& depth) {
+  double mean = 0;
+  double difference = 1 / depth[3];
+  for (int i = 0; i < 4; ++i) {
+    mean += 0.25 / depth[i];
+    difference -= i < 3 ? group.barycentric[i] / depth[i] : 0;
+  }
+  const double residual = std::abs(difference / mean);
+  return residual < 0.01 ? 0.5 * residual * residual / 0.01 : residual - 0.005;
+}
+
+std::string MeasurePlanarLoss() {
+  Random random(1);
+  LossError error;
+  const auto pixel = [&] { return 320 * random.NextFloat(); };
+  for (double scale = 1e-20; scale < 1e20; scale *= 10) {
+    for (int i = 0; i < 200; ++i) {
+      PlanarGroup group;
+      const float x[4] = {pixel(), pixel(), pixel(), pixel()};
+      const float y[4] = {pixel(), pixel(), pixel(), pixel()};
+      if (!MakePlanarGroup(x, y, &group)) {
+        continue;
+      }
+      float depth[4];
+      std::vector<double> depths;
+      for (float& d : depth) {
+        d = static_cast<float>(
+            scale * std::pow(10.0, 4 * random.NextFloat() * (i % 2)) *
+            (1 + 0.1 * random.NextFloat()));
+        depths.push_back(d);
+      }
+      float d_depth[4];
+      const double loss = EvaluatePlanarLoss(group, depth, d_depth);
+      const double expected = PlanarLossInDouble(group, depths);
+      error.value =
+          std::max(error.value, std::abs(loss - expected) / (1 + expected));
+      for (int k = 0; k < 4; ++k) {
+        const double slope = Slope(
+            [&](const double d) {
+              std::vector<double> moved = depths;
+              moved[k] = d;
+              return PlanarLossInDouble(group, moved);
+            },
+            depths[k],
+            1e-6 * depths[k]);
+        error.gradient =
+            std::max(error.gradient,
+                     depths[k] * std::abs(d_depth[k] - slope) / (1 + expected));
+      }
+    }
+  }
+  return Accept(error, 1e-5, 1e-3);
+}
+
+// Colour and depth hints, as tiles report them.
+std::string MeasureColorLossAndHints() {
+  ObjectiveScene scene;
+  const TrainingObjective objective = scene.MakeObjective();
+  const auto tile = objective.MakeTileObjective();
+  Random random(3);
+  LossError error;
+  for (double depth = 1e-8; depth < 1e8; depth *= 10) {
+    for (int i = 0; i < 8; ++i) {
+      RayTile rays;
+      tile->DrawRays(0, i, &rays);
+      RayOutputs outputs = {};
+      for (int ray = 0; ray < rays.num_rays; ++ray) {
+        outputs.depth[ray] =
+            static_cast<float>(depth * (0.5 + random.NextFloat()));
+        outputs.depth_variance[ray] = static_cast<float>(depth * depth);
+        for (int c = 0; c < 3; ++c) {
+          outputs.color[c][ray] = random.NextFloat();
+        }
+      }
+      RayGradients gradients;
+      const LossValues losses = tile->Evaluate(outputs, &gradients);
+      double color = 0;
+      double hints = 0;
+      for (int ray = 0; ray < rays.num_rays; ++ray) {
+        const ObjectiveScene::ImagePoint point = scene.Identify(rays, ray);
+        const RgbImage& image = scene.scene.views[point.view_idx].image;
+        const size_t first =
+            3 * (static_cast<size_t>(point.Row()) * image.width + point.Col());
+        for (int c = 0; c < 3; ++c) {
+          const double difference =
+              outputs.color[c][ray] - image.data[first + c] / 255.0;
+          const double weight =
+              scene.loss.color_weight / scene.training.rays_per_step;
+          color += weight * difference * difference;
+          error.gradient = std::max(
+              error.gradient,
+              std::abs(gradients.d_color[c][ray] / weight - 2 * difference));
+        }
+        if (gradients.pull[ray] > 0) {
+          const double z = gradients.pull_z[ray];
+          hints +=
+              gradients.pull[ray] * (std::pow((outputs.depth[ray] - z) / z, 2) +
+                                     outputs.depth_variance[ray] / (z * z));
+        }
+      }
+      const auto compare = [&](const double loss, const double expected) {
+        error.value = std::max(error.value, std::abs(loss / expected - 1));
+      };
+      compare(losses[static_cast<size_t>(LossTerm::kColor)], color);
+      compare(losses[static_cast<size_t>(LossTerm::kSparse)] +
+                  losses[static_cast<size_t>(LossTerm::kPrior)],
+              hints);
+    }
+  }
+  return Accept(error, 1e-5, 1e-5);
+}
+
+// The pull of sparse points and the gradient by depth, through the compositing
+// of a ray.
+std::string MeasurePullThroughCompositing() {
+  LossError error;
+  for (const float raw : {-11.0f, -3.0f, 0.0f, 3.0f, 8.0f, 11.5f}) {
+    for (const float pull_z : {1e-3f, 0.3f, 5.0f, 1e6f}) {
+      for (const float d_depth : {0.0f, 1.0f}) {
+        CompositeRays rays(/*num_rays=*/4, /*num_samples=*/24);
+        Random random(5);
+        for (size_t ray = 0; ray < rays.num_rays; ++ray) {
+          float edge = 0.02f;
+          for (size_t i = 0; i <= rays.num_samples; ++i) {
+            rays.edges[ray * (rays.num_samples + 1) + i] = edge;
+            edge += 0.08f * random.NextFloat();
+          }
+          for (size_t i = 0; i < rays.num_samples; ++i) {
+            rays.raw_density[ray * rays.num_samples + i] =
+                raw + 0.4f * (random.NextFloat() - 0.5f);
+          }
+        }
+        const std::vector<float> gradient = CompositeGradient(
+            rays, Composite(rays), d_depth, /*pull=*/1, pull_z);
+        double largest = 0;
+        double worst = 0;
+        for (size_t i = 0; i < gradient.size(); ++i) {
+          const size_t ray = i / rays.num_samples;
+          CompositeRays moved = rays;
+          const double step = 1.0 / 512;
+          const auto loss = [&](const double value) {
+            moved.raw_density[i] = static_cast<float>(value);
+            return CompositeLossInDouble(moved, ray, d_depth, 1, pull_z);
+          };
+          const double value = rays.raw_density[i];
+          const double high = static_cast<float>(value + step);
+          const double low = static_cast<float>(value - step);
+          const double slope = (loss(high) - loss(low)) / (high - low);
+          largest = std::max(largest, std::abs(slope));
+          worst = std::max(worst, std::abs(gradient[i] - slope));
+        }
+        // Below, float has nothing left of a loss of about one.
+        error.gradient =
+            std::max(error.gradient, worst / std::max(largest, 1e-6));
+      }
+    }
+  }
+  RequireStable(error.gradient < 1e-2, error.Text());
+  return "gradients within " + ShortNumber(error.gradient) +
+         " of double, relative to the largest of the ray";
+}
+
+}  // namespace
+
+std::vector<StabilityCase> LossCases() {
+  return {{"patch loss: depths of 1e-6 to 1e12", MeasurePatchLoss},
+          {"planar loss: depths of 1e-20 to 1e20", MeasurePlanarLoss},
+          {"colour, sparse and prior loss: depths of 1e-8 to 1e8",
+           MeasureColorLossAndHints},
+          {"sparse loss through compositing: any density",
+           MeasurePullThroughCompositing}};
+}
+
+}  // namespace structnerf
