@@ -22,15 +22,17 @@ function(structnerf_library name)
   structnerf_compile_options(${name})
 endfunction()
 
-# structnerf_test(x_test.cc libraries...): a GoogleTest program whose ctest name
-# is its path below tests/ without the suffix.
+# structnerf_test(x_test.cc libraries... [LAUNCHER command...]): a GoogleTest
+# program whose ctest name is its path below tests/ without the suffix. The
+# launcher is a command that runs the program given behind it.
 function(structnerf_test source)
+  cmake_parse_arguments(arg "" "" "LAUNCHER" ${ARGN})
   cmake_path(ABSOLUTE_PATH source BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR})
   file(RELATIVE_PATH name ${PROJECT_SOURCE_DIR}/tests ${source})
   string(REGEX REPLACE "\\.cc$" "" name ${name})
   string(REPLACE "/" "_" target ${name})
   add_executable(${target} ${source})
-  target_link_libraries(${target} PRIVATE ${ARGN} GTest::gtest_main GTest::gmock)
+  target_link_libraries(${target} PRIVATE ${arg_UNPARSED_ARGUMENTS} GTest::gtest_main GTest::gmock)
   structnerf_compile_options(${target})
-  add_test(NAME ${name} COMMAND ${target})
+  add_test(NAME ${name} COMMAND ${arg_LAUNCHER} $<TARGET_FILE:${target}>)
 endfunction()

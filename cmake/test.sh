@@ -7,7 +7,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
 build_project release
 say "checking the format of the sources"
-(cd "$source_dir" && find nerf colmap_plugin tests '(' -name '*.h' -o -name '*.cc' ')' \
+(cd "$source_dir" && find nerf colmap_plugin ui tests '(' -name '*.h' -o -name '*.cc' ')' \
   -exec clang-format-14 --dry-run --Werror '{}' +)
 say "running the tests (about 10 minutes on two cores)"
 ctest --test-dir "$build_dir" --output-on-failure "$@"

@@ -197,14 +197,14 @@ int RunStructNerfDense(const int argc, char** argv) {
   }
 }
 
-int RunHelp() {
+int RunHelp(const std::vector<Command>& commands) {
   try {
     RunStockColmap({"help"});
   } catch (const std::exception& error) {
     std::cout << error.what() << std::endl << std::endl;
   }
   std::cout << "Commands of colmap-structnerf:" << std::endl;
-  for (const Command& command : Commands()) {
+  for (const Command& command : commands) {
     std::cout << "  " << command.name << "  " << command.help << std::endl;
   }
   std::cout << std::endl;

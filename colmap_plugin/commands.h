@@ -20,8 +20,8 @@ const std::vector<Command>& Commands();
 // Depth and normal maps and a fused cloud from a sparse model.
 int RunStructNerfDense(int argc, char** argv);
 
-// The stock program's help with ours appended.
-int RunHelp();
+// The stock program's help with that of these commands appended.
+int RunHelp(const std::vector<Command>& commands);
 
 int RunVersion();
 

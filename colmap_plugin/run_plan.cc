@@ -98,6 +98,7 @@ MemoryPlan PlanMemory(const StructNerfOptions& options,
         present_bytes +
         std::max(decoding_bytes, training_bytes + min_map_bytes);
     if (needed_bytes <= plan.limit) {
+      plan.needed = needed_bytes;
       plan.depth_map_bytes =
           plan.limit - std::min(plan.limit, present_bytes + training_bytes);
       break;

@@ -1,0 +1,329 @@
+// A user's way through COLMAP's window, with real events on a real screen.
+
+#include "colmap_plugin/structnerf_options.h"
+#include "tests/support/synthetic_room.h"
+#include "tests/support/synthetic_room_writer.h"
+#include "tests/support/temp_dir.h"
+#include "ui/gui_window.h"
+#include "ui/map_viewer.h"
+
+#include <QAction>
+#include <QApplication>
+#include <QComboBox>
+#include <QElapsedTimer>
+#include <QLabel>
+#include <QLineEdit>
+#include <QMenu>
+#include <QMessageBox>
+#include <QProgressBar>
+#include <QPushButton>
+#include <QScreen>
+#include <QSpinBox>
+#include <QTabWidget>
+#include <QTableWidget>
+#include <QTest>
+#include <QTimer>
+#include <QToolBar>
+#include <filesystem>
+#include <functional>
+#include <memory>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace structnerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+using testing::HasSubstr;
+
+constexpr int kAnswerMilliseconds = 1000;
+constexpr int kRunMilliseconds = 300000;
+
+class DenseWindowTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    temp_dir_ = std::make_unique<TempDir>();
+    SyntheticRoomOptions room_options;
+    room_options.num_views = 8;
+    room_options.width = 160;
+    room_options.height = 120;
+    WriteSyntheticRoom(MakeSyntheticRoom(room_options), *temp_dir_ / "room");
+  }
+
+  static void TearDownTestSuite() { temp_dir_.reset(); }
+
+  DenseWindowTest() {
+    options_.quality = "low";
+    options_.reconstruction = QualityPreset("low");
+    colmap::OptionManager manager;
+    *manager.image_path = *temp_dir_ / "room/images";
+    window_ = std::make_unique<GuiWindow>(std::move(manager), &options_);
+    window_->Show();
+    EXPECT_TRUE(QTest::qWaitForWindowExposed(&window_->Window()));
+  }
+
+  // A folder of this test's own that does not exist yet.
+  std::string WorkspacePath() const {
+    return *temp_dir_ /
+           testing::UnitTest::GetInstance()->current_test_info()->name();
+  }
+
+  QAction* Item() const {
+    return window_->Window().findChild<QAction*>("structnerf_dense");
+  }
+
+  colmap::ModelViewerWidget* Viewer() const {
+    return dynamic_cast<colmap::ModelViewerWidget*>(
+        window_->Window().centralWidget());
+  }
+
+  QTabWidget* Tabs() const { return Find<QTabWidget>("tabs"); }
+
+  template <typename Widget>
+  Widget* Find(const char* name) const {
+    auto* widget = window_->Window().findChild<Widget*>(name);
+    EXPECT_NE(widget, nullptr) << name;
+    return widget;
+  }
+
+  void Click(const char* name) {
+    QTest::mouseClick(Find<QPushButton>(name), Qt::LeftButton);
+  }
+
+  // Opens the model and our window, and fills in the workspace.
+  void OpenDialog() {
+    window_->Window().ImportReconstruction(*temp_dir_ / "room/sparse/0");
+    ASSERT_TRUE(QTest::qWaitFor([this]() { return Item()->isEnabled(); }));
+    Item()->trigger();
+    ASSERT_TRUE(QTest::qWaitForWindowExposed(Tabs()->window()));
+    Find<QLineEdit>("workspace_path")
+        ->setText(QString::fromStdString(WorkspacePath()));
+  }
+
+  // As a user does, on the tab of advanced options.
+  void SetNumSteps(const int num_steps) {
+    Tabs()->setCurrentIndex(1);
+    Find<QSpinBox>("num_steps")->setValue(num_steps);
+    Tabs()->setCurrentIndex(0);
+  }
+
+  bool WaitForTraining() {
+    return QTest::qWaitFor(
+        [this]() {
+          return Find<QLabel>("stage")->text() == "Training" &&
+                 Find<QProgressBar>("bar")->value() > 0;
+        },
+        kRunMilliseconds);
+  }
+
+  bool WaitForTab(const int tab) {
+    return QTest::qWaitFor(
+        [this, tab]() { return Tabs()->currentIndex() == tab; },
+        kRunMilliseconds);
+  }
+
+  // Answers the next message box, and keeps what it said.
+  void AnswerMessage(const QMessageBox::StandardButton button) {
+    QTimer::singleShot(50, [this, button]() {
+      auto* box = dynamic_cast<QMessageBox*>(QApplication::activeModalWidget());
+      if (box == nullptr) {
+        AnswerMessage(button);
+        return;
+      }
+      message_ = box->text().toStdString();
+      Screenshot(box, "message");
+      QTest::mouseClick(box->button(button), Qt::LeftButton);
+    });
+  }
+
+  static void Screenshot(QWidget* window, const std::string& name) {
+    window->raise();
+    QTest::qWait(100);
+    const QPoint corner = window->mapToGlobal(QPoint(0, 0));
+    const QPixmap picture = window->screen()->grabWindow(
+        0, corner.x(), corner.y(), window->width(), window->height());
+    const std::string path =
+        std::string(STRUCTNERF_SCREENSHOTS) + "/" + name + ".png";
+    EXPECT_TRUE(picture.save(QString::fromStdString(path))) << path;
+  }
+
+  static std::unique_ptr<TempDir> temp_dir_;
+  StructNerfOptions options_;
+  std::unique_ptr<GuiWindow> window_;
+  std::string message_;
+};
+
+std::unique_ptr<TempDir> DenseWindowTest::temp_dir_;
+
+TEST_F(DenseWindowTest, TheItemIsThereAndEnabledWithAModel) {
+  const auto* item = Item();
+  ASSERT_NE(item, nullptr);
+  EXPECT_EQ(item->text(), "StructNeRF dense reconstruction");
+  EXPECT_FALSE(item->icon().isNull());
+  EXPECT_FALSE(item->shortcut().isEmpty());
+  int num_places = 0;
+  for (const auto* menu : window_->Window().findChildren<QMenu*>()) {
+    num_places += menu->title() == "Reconstruction" &&
+                  menu->actions().contains(const_cast<QAction*>(item));
+  }
+  for (const auto* tool_bar : window_->Window().findChildren<QToolBar*>()) {
+    num_places += tool_bar->windowTitle() == "Reconstruction" &&
+                  tool_bar->actions().contains(const_cast<QAction*>(item));
+  }
+  EXPECT_EQ(num_places, 2);
+  EXPECT_FALSE(item->isEnabled());
+
+  window_->Window().ImportReconstruction(*temp_dir_ / "room/sparse/0");
+  EXPECT_TRUE(QTest::qWaitFor([&]() { return item->isEnabled(); }));
+  Screenshot(&window_->Window(), "main_window");
+
+  // COLMAP enables this one exactly while its mapper runs.
+  QAction* pause = nullptr;
+  for (QAction* action : window_->Window().findChildren<QAction*>()) {
+    if (action->text() == "Pause reconstruction") {
+      pause = action;
+    }
+  }
+  ASSERT_NE(pause, nullptr);
+  pause->setEnabled(true);
+  EXPECT_TRUE(QTest::qWaitFor([&]() { return !item->isEnabled(); }));
+  pause->setEnabled(false);
+  EXPECT_TRUE(QTest::qWaitFor([&]() { return item->isEnabled(); }));
+}
+
+TEST_F(DenseWindowTest, RunsToTheEndAndShowsTheResults) {
+  OpenDialog();
+  EXPECT_EQ(Find<QLineEdit>("image_path")->text().toStdString(),
+            *temp_dir_ / "room/images");
+  EXPECT_EQ(Find<QComboBox>("quality")->currentText(), "low");
+  EXPECT_THAT(Find<QLabel>("expectation")->text().toStdString(),
+              HasSubstr("8 images"));
+  Screenshot(Tabs()->window(), "setup");
+  Tabs()->setCurrentIndex(1);
+  Screenshot(Tabs()->window(), "advanced");
+  Tabs()->setCurrentIndex(0);
+
+  Click("start");
+  ASSERT_TRUE(WaitForTraining());
+  const auto* bar = Find<QProgressBar>("bar");
+  const int first_value = bar->value();
+  EXPECT_TRUE(QTest::qWaitFor([&]() { return bar->value() > first_value + 50; },
+                              kRunMilliseconds));
+
+  EXPECT_EQ(Find<QComboBox>("image")->count(), 8);
+  for (const char* name : {"Photograph", "Rendered", "Depth", "Normals"}) {
+    const auto* picture = Find<QLabel>(name);
+    EXPECT_TRUE(QTest::qWaitFor(
+        [&]() { return !picture->pixmap(Qt::ReturnByValue).isNull(); },
+        kRunMilliseconds))
+        << name;
+  }
+
+  EXPECT_TRUE(
+      QTest::qWaitFor([&]() { return bar->value() > 600; }, kRunMilliseconds));
+  Click("pause");
+  QTest::qWait(kAnswerMilliseconds);
+  EXPECT_EQ(Find<QLabel>("stage")->text(), "Training (paused)");
+  const int paused_value = bar->value();
+  Screenshot(Tabs()->window(), "run");
+  QTest::qWait(500);
+  EXPECT_EQ(bar->value(), paused_value);
+  Click("pause");
+
+  ASSERT_TRUE(WaitForTab(3)) << message_;
+  EXPECT_TRUE(fs::exists(WorkspacePath() + "/fused.ply"));
+  const auto* views = Find<QTableWidget>("views");
+  ASSERT_EQ(views->rowCount(), 8);
+  Screenshot(Tabs()->window(), "results");
+
+  // The cloud is in the viewer, with the cameras around it.
+  EXPECT_EQ(Viewer()->reconstruction->NumRegImages(), 8u);
+  const size_t num_cloud_points = Viewer()->points3D.size();
+  Click("show_model");
+  EXPECT_NE(Viewer()->points3D.size(), num_cloud_points);
+  Click("show_cloud");
+  EXPECT_EQ(Viewer()->points3D.size(), num_cloud_points);
+  EXPECT_GT(num_cloud_points, 100u);
+
+  Click("depth_map");
+  auto* map_viewer = dynamic_cast<MapViewer*>(Find<QLabel>("value")->window());
+  ASSERT_NE(map_viewer, nullptr);
+  EXPECT_TRUE(map_viewer->isVisible());
+  EXPECT_EQ(map_viewer->windowTitle().left(9), "Depth map");
+  Screenshot(map_viewer, "depth_map");
+  Click("normal_map");
+  Screenshot(map_viewer, "normal_map");
+  map_viewer->hide();
+  Tabs()->window()->hide();
+  Screenshot(&window_->Window(), "cloud");
+}
+
+TEST_F(DenseWindowTest, StopKeepsWhatWasLearned) {
+  OpenDialog();
+  SetNumSteps(1000000);
+  Click("start");
+  ASSERT_TRUE(WaitForTraining());
+  QElapsedTimer timer;
+  timer.start();
+  Click("stop");
+  EXPECT_FALSE(Find<QPushButton>("stop")->isEnabled());
+  EXPECT_TRUE(QTest::qWaitFor(
+      [this]() { return Find<QProgressBar>("bar")->value() == 1000; },
+      kAnswerMilliseconds));
+  EXPECT_LT(timer.elapsed(), kAnswerMilliseconds);
+  ASSERT_TRUE(WaitForTab(3)) << message_;
+  EXPECT_TRUE(fs::exists(WorkspacePath() + "/fused.ply"));
+}
+
+TEST_F(DenseWindowTest, CancelWritesNothing) {
+  OpenDialog();
+  SetNumSteps(1000000);
+  Click("start");
+  ASSERT_TRUE(WaitForTraining());
+  QElapsedTimer timer;
+  timer.start();
+  Click("cancel");
+  ASSERT_TRUE(WaitForTab(0));
+  EXPECT_LT(timer.elapsed(), kAnswerMilliseconds);
+  EXPECT_FALSE(fs::exists(WorkspacePath()));
+  EXPECT_TRUE(Find<QPushButton>("start")->isEnabled());
+}
+
+TEST_F(DenseWindowTest, ClosingInTheMiddleAsks) {
+  OpenDialog();
+  SetNumSteps(1000000);
+  Click("start");
+  ASSERT_TRUE(WaitForTraining());
+  AnswerMessage(QMessageBox::No);
+  EXPECT_FALSE(Tabs()->window()->close());
+  EXPECT_THAT(message_, HasSubstr("has not ended"));
+  EXPECT_EQ(Tabs()->currentIndex(), 2);
+  AnswerMessage(QMessageBox::No);
+  EXPECT_FALSE(window_->Window().close());
+  AnswerMessage(QMessageBox::Yes);
+  EXPECT_TRUE(Tabs()->window()->close());
+  ASSERT_TRUE(WaitForTab(0));
+  EXPECT_FALSE(fs::exists(WorkspacePath()));
+}
+
+TEST_F(DenseWindowTest, ABadFolderIsNamedInADialog) {
+  OpenDialog();
+  Find<QLineEdit>("image_path")->setText("/no/such/folder");
+  AnswerMessage(QMessageBox::Ok);
+  Click("start");
+  ASSERT_TRUE(QTest::qWaitFor([this]() { return !message_.empty(); },
+                              kRunMilliseconds));
+  EXPECT_THAT(message_, HasSubstr("/no/such/folder"));
+  EXPECT_FALSE(fs::exists(WorkspacePath()));
+
+  message_.clear();
+  Find<QLineEdit>("workspace_path")->clear();
+  AnswerMessage(QMessageBox::Ok);
+  Click("start");
+  EXPECT_THAT(message_, HasSubstr("workspace"));
+}
+
+}  // namespace
+}  // namespace structnerf

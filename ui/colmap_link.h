@@ -1,0 +1,51 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include <colmap/controllers/option_manager.h>
+#include <colmap/scene/reconstruction.h>
+#include <colmap/ui/model_viewer_widget.h>
+
+namespace structnerf {
+
+// What our widgets share with COLMAP's window: its viewer, and the options of
+// the project that is open. COLMAP replaces the values of these options when
+// another project is opened, never the objects.
+class ColmapLink {
+ public:
+  // To be called before the manager is handed to the window.
+  explicit ColmapLink(const colmap::OptionManager& manager);
+
+  void SetViewer(colmap::ModelViewerWidget* viewer) { viewer_ = viewer; }
+
+  // Of the project; empty if there is none.
+  std::string ImagePath() const;
+  std::string ProjectPath() const;
+
+  const colmap::mvs::StereoFusionOptions& FusionOptions() const {
+    return *fusion_;
+  }
+
+  // The model that the viewer shows, or whose cloud it shows; null if none.
+  std::shared_ptr<const colmap::Reconstruction> Model() const;
+
+  // Shows a cloud that was made from a model, or the model again.
+  void ShowCloud(std::shared_ptr<colmap::Reconstruction> cloud);
+  void ShowModel();
+
+ private:
+  std::function<std::string()> image_path_;
+  std::function<std::string()> project_path_;
+  std::shared_ptr<colmap::mvs::StereoFusionOptions> fusion_;
+  std::shared_ptr<colmap::RenderOptions> render_;
+  colmap::ModelViewerWidget* viewer_ = nullptr;
+
+  // What ShowCloud() put in place of `model_`.
+  std::shared_ptr<colmap::Reconstruction> cloud_;
+  std::shared_ptr<colmap::Reconstruction> model_;
+  int model_min_track_len_ = 0;
+};
+
+}  // namespace structnerf

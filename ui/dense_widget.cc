@@ -1,0 +1,186 @@
+#include "ui/dense_widget.h"
+
+#include "colmap_plugin/input_check.h"
+#include "ui/error_dialog.h"
+#include "ui/option_page.h"
+
+#include <QCloseEvent>
+#include <QMessageBox>
+#include <QScrollArea>
+#include <QVBoxLayout>
+#include <filesystem>
+
+#include <glog/logging.h>
+
+namespace structnerf {
+namespace {
+
+constexpr int kPollMilliseconds = 100;
+
+// Which tab is where.
+enum { kSetupTab, kAdvancedTab, kRunTab, kResultsTab };
+
+// The options that the setup page does not have.
+std::vector<OptionEntry> AdvancedEntries(StructNerfOptions* options) {
+  std::vector<OptionEntry> entries;
+  for (const OptionEntry& entry : MakeOptionTable(options)) {
+    if (entry.name != "StructNeRF.quality") {
+      entries.push_back(entry);
+    }
+  }
+  return entries;
+}
+
+// Beside the project, or beside the images.
+std::string DefaultWorkspace(const ColmapLink& link) {
+  const std::filesystem::path neighbor =
+      link.ProjectPath().empty() ? link.ImagePath() : link.ProjectPath();
+  return neighbor.empty()
+             ? ""
+             : (neighbor.parent_path() / "dense_structnerf").string();
+}
+
+}  // namespace
+
+DenseWidget::DenseWidget(QWidget* main_window,
+                         StructNerfOptions* options,
+                         ColmapLink* link)
+    : QWidget(main_window), options_(options), link_(link) {
+  setWindowFlags(Qt::Window);
+  setWindowTitle("StructNeRF dense reconstruction");
+  resize(820, 640);
+  auto* layout = new QVBoxLayout(this);
+  tabs_ = new QTabWidget(this);
+  tabs_->setObjectName("tabs");
+  layout->addWidget(tabs_);
+
+  setup_page_ = new SetupPage(
+      options, [this]() { Start(); }, this);
+  auto* advanced = new QScrollArea(this);
+  advanced->setWidget(new OptionPage(AdvancedEntries(options), advanced));
+  advanced->setWidgetResizable(true);
+  advanced->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+  run_page_ = new RunPage(this);
+  results_page_ = new ResultsPage(link, this);
+  tabs_->addTab(setup_page_, "Setup");
+  tabs_->addTab(advanced, "Advanced");
+  tabs_->addTab(run_page_, "Run");
+  tabs_->addTab(results_page_, "Results");
+  tabs_->setTabEnabled(kRunTab, false);
+  tabs_->setTabEnabled(kResultsTab, false);
+  connect(tabs_, &QTabWidget::currentChanged, this, [this](const int tab) {
+    // The advanced options have been written when their page went.
+    if (tab == kSetupTab) {
+      setup_page_->UpdateExpectation();
+    }
+  });
+
+  timer_ = new QTimer(this);
+  timer_->setInterval(kPollMilliseconds);
+  connect(timer_, &QTimer::timeout, this, [this]() { Poll(); });
+  main_window->installEventFilter(this);
+}
+
+void DenseWidget::Show() {
+  const auto model = link_->Model();
+  if (!IsRunning() && model != nullptr) {
+    if (!link_->ImagePath().empty()) {
+      options_->image_path = link_->ImagePath();
+    }
+    if (options_->output_path.empty()) {
+      options_->output_path = DefaultWorkspace(*link_);
+    }
+    setup_page_->ShowModel(
+        std::make_shared<const colmap::Reconstruction>(*model));
+    tabs_->setCurrentIndex(kSetupTab);
+  }
+  show();
+  raise();
+  activateWindow();
+}
+
+void DenseWidget::Start() {
+  if (options_->output_path.empty()) {
+    ShowError(this, "No workspace is given; choose a folder for the results.");
+    return;
+  }
+  // A copy: COLMAP may change its model while this one is worked on.
+  model_ = std::make_shared<const colmap::Reconstruction>(*link_->Model());
+  StructNerfOptions options = *options_;
+  options.fusion = link_->FusionOptions();
+  // COLMAP's default is meant for many views.
+  if (options.fusion.min_num_pixels ==
+      colmap::mvs::StereoFusionOptions().min_num_pixels) {
+    options.fusion.min_num_pixels = 0;
+  }
+  run_ = std::make_unique<DenseRun>(options, model_);
+  run_page_->ShowBegin(ImageNames(*model_), &run_->Progress());
+  tabs_->setTabEnabled(kSetupTab, false);
+  tabs_->setTabEnabled(kAdvancedTab, false);
+  tabs_->setTabEnabled(kRunTab, true);
+  tabs_->setCurrentIndex(kRunTab);
+  timer_->start();
+}
+
+void DenseWidget::Poll() {
+  run_page_->ShowState();
+  if (run_->HasEnded()) {
+    End();
+  }
+}
+
+void DenseWidget::End() {
+  timer_->stop();
+  run_page_->ShowEnd();
+  const std::unique_ptr<DenseRun> run = std::move(run_);
+  tabs_->setTabEnabled(kSetupTab, true);
+  tabs_->setTabEnabled(kAdvancedTab, true);
+  switch (run->Status()) {
+    case StructNerfController::Status::kSuccess:
+      LOG(INFO) << "StructNeRF: " << run->Report().num_fused_points
+                << " points in " << run->Report().workspace_path;
+      tabs_->setTabEnabled(kResultsTab, true);
+      tabs_->setCurrentIndex(kResultsTab);
+      results_page_->ShowResults(run->Report(), model_);
+      break;
+    case StructNerfController::Status::kAborted:
+      LOG(WARNING) << "StructNeRF: cancelled; nothing was written";
+      tabs_->setTabEnabled(kRunTab, false);
+      tabs_->setCurrentIndex(kSetupTab);
+      break;
+    default:
+      tabs_->setTabEnabled(kRunTab, false);
+      tabs_->setCurrentIndex(kSetupTab);
+      ShowError(this, run->Error());
+  }
+}
+
+bool DenseWidget::AskToCancel() {
+  return QMessageBox::question(
+             this,
+             "",
+             "The StructNeRF reconstruction has not ended. Do you want to "
+             "cancel it? Nothing will be written.",
+             QMessageBox::Yes | QMessageBox::No) == QMessageBox::Yes;
+}
+
+void DenseWidget::closeEvent(QCloseEvent* event) {
+  if (IsRunning()) {
+    if (!AskToCancel()) {
+      event->ignore();
+      return;
+    }
+    run_->Progress().Abort();
+  }
+  event->accept();
+}
+
+bool DenseWidget::eventFilter(QObject* object, QEvent* event) {
+  if (event->type() == QEvent::Close && IsRunning() && !AskToCancel()) {
+    event->ignore();
+    return true;
+  }
+  return QWidget::eventFilter(object, event);
+}
+
+}  // namespace structnerf

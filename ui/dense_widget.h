@@ -1,0 +1,54 @@
+#pragma once
+
+#include "colmap_plugin/structnerf_options.h"
+#include "ui/colmap_link.h"
+#include "ui/dense_run.h"
+#include "ui/results_page.h"
+#include "ui/run_page.h"
+#include "ui/setup_page.h"
+
+#include <QTabWidget>
+#include <QTimer>
+#include <QWidget>
+#include <memory>
+
+namespace structnerf {
+
+// The window of the dense stage: its options, the run, and the results, one tab
+// each.
+class DenseWidget : public QWidget {
+ public:
+  // A child of COLMAP's window. `options` and `link` must outlive it.
+  DenseWidget(QWidget* main_window,
+              StructNerfOptions* options,
+              ColmapLink* link);
+
+  // Comes up with the model that COLMAP's viewer shows.
+  void Show();
+
+  bool IsRunning() const { return run_ != nullptr; }
+
+ protected:
+  void closeEvent(QCloseEvent* event) override;
+
+  // Of COLMAP's window, which must not close in the middle of a run unasked.
+  bool eventFilter(QObject* object, QEvent* event) override;
+
+ private:
+  void Start();
+  void Poll();
+  void End();
+  bool AskToCancel();
+
+  StructNerfOptions* const options_;
+  ColmapLink* const link_;
+  QTabWidget* tabs_;
+  SetupPage* setup_page_;
+  RunPage* run_page_;
+  ResultsPage* results_page_;
+  QTimer* timer_;
+  std::unique_ptr<DenseRun> run_;
+  std::shared_ptr<const colmap::Reconstruction> model_;  // of the run
+};
+
+}  // namespace structnerf

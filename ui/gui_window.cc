@@ -1,0 +1,37 @@
+#include "ui/gui_window.h"
+
+#include "ui/dense_action.h"
+#include "ui/main_window_hook.h"
+
+#include <QMessageBox>
+#include <utility>
+
+#include <glog/logging.h>
+
+namespace structnerf {
+
+GuiWindow::GuiWindow(colmap::OptionManager manager, StructNerfOptions* options)
+    : link_(manager), window_(std::move(manager)) {
+  const MainWindowHook hook = FindMainWindowHook(window_);
+  error_ = hook.error;
+  if (error_.empty()) {
+    link_.SetViewer(hook.viewer);
+    new DenseAction(&window_, hook, options, &link_);
+  }
+}
+
+void GuiWindow::Show() {
+  window_.show();
+  if (!error_.empty()) {
+    LOG(WARNING) << error_;
+    auto* box = new QMessageBox(QMessageBox::Warning,
+                                "",
+                                QString::fromStdString(error_),
+                                QMessageBox::Ok,
+                                &window_);
+    box->setAttribute(Qt::WA_DeleteOnClose);
+    box->open();
+  }
+}
+
+}  // namespace structnerf

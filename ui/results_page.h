@@ -1,0 +1,50 @@
+#pragma once
+
+#include "colmap_plugin/dense_workspace.h"
+#include "colmap_plugin/run_report.h"
+#include "ui/colmap_link.h"
+#include "ui/map_viewer.h"
+
+#include <QComboBox>
+#include <QPlainTextEdit>
+#include <QPushButton>
+#include <QTableWidget>
+#include <QWidget>
+#include <functional>
+#include <memory>
+
+namespace structnerf {
+
+// What a run has made: its summary, the maps of each view, and the cloud in
+// COLMAP's viewer.
+class ResultsPage : public QWidget {
+ public:
+  // `link` must outlive this object.
+  ResultsPage(ColmapLink* link, QWidget* parent);
+
+  // `model` is the one the run was made from.
+  void ShowResults(const RunReport& report,
+                   std::shared_ptr<const colmap::Reconstruction> model);
+
+ private:
+  QPushButton* AddButton(const QString& text,
+                         const char* name,
+                         std::function<void()> action);
+  void ShowCloud();
+  void OpenMap(MapViewer::Kind kind);
+  void OpenPhotograph();
+
+  // Name of the chosen view's image; empty if none is chosen.
+  std::string ChosenImage() const;
+
+  ColmapLink* const link_;
+  std::unique_ptr<DenseWorkspace> workspace_;
+  std::shared_ptr<const colmap::Reconstruction> model_;
+  QPlainTextEdit* summary_;
+  QTableWidget* views_;
+  QComboBox* map_type_;
+  QWidget* buttons_;
+  MapViewer* map_viewer_;
+};
+
+}  // namespace structnerf

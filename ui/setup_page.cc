@@ -1,0 +1,116 @@
+#include "ui/setup_page.h"
+
+#include "ui/run_expectation.h"
+
+#include <QFileDialog>
+#include <QFormLayout>
+#include <QHBoxLayout>
+#include <QVBoxLayout>
+#include <utility>
+
+namespace structnerf {
+
+SetupPage::SetupPage(StructNerfOptions* options,
+                     std::function<void()> start,
+                     QWidget* parent)
+    : QWidget(parent), options_(options) {
+  auto* layout = new QVBoxLayout(this);
+  auto* form = new QFormLayout();
+  layout->addLayout(form);
+  workspace_path_ = AddFolder("Workspace", "workspace_path", form);
+  workspace_path_->setToolTip(
+      "Folder of the new dense workspace, in COLMAP's layout");
+  image_path_ = AddFolder("Images", "image_path", form);
+  image_path_->setToolTip("Folder with the original images of the model");
+  mask_path_ = AddFolder("Masks (optional)", "mask_path", form);
+  mask_path_->setToolTip("Folder with <image name>.png, black = ignore");
+
+  quality_ = new QComboBox(this);
+  quality_->setObjectName("quality");
+  quality_->addItems({"low", "medium", "high", "extreme"});
+  connect(
+      quality_,
+      static_cast<void (QComboBox::*)(int)>(&QComboBox::activated),
+      this,
+      [this](const int index) { ChangeQuality(quality_->itemText(index)); });
+  form->addRow("Quality", quality_);
+
+  overwrite_ = new QCheckBox("Replace dense results in the workspace", this);
+  overwrite_->setObjectName("overwrite");
+  form->addRow("", overwrite_);
+
+  expectation_ = new QLabel(this);
+  expectation_->setObjectName("expectation");
+  expectation_->setWordWrap(true);
+  expectation_->setFrameShape(QFrame::StyledPanel);
+  expectation_->setMargin(6);
+  layout->addWidget(expectation_);
+  layout->addStretch(1);
+
+  start_button_ = new QPushButton("Start", this);
+  start_button_->setObjectName("start");
+  connect(start_button_,
+          &QPushButton::clicked,
+          this,
+          [this, start = std::move(start)]() {
+            WriteOptions();
+            start();
+          });
+  layout->addWidget(start_button_, 0, Qt::AlignRight);
+}
+
+QLineEdit* SetupPage::AddFolder(const QString& label,
+                                const char* name,
+                                QFormLayout* form) {
+  auto* path = new QLineEdit(this);
+  path->setObjectName(name);
+  auto* button = new QPushButton("Select folder", this);
+  connect(button, &QPushButton::clicked, this, [this, path]() {
+    const QString folder =
+        QFileDialog::getExistingDirectory(this, "Select folder", path->text());
+    if (!folder.isEmpty()) {
+      path->setText(folder);
+    }
+  });
+  auto* row = new QHBoxLayout();
+  row->addWidget(path, 1);
+  row->addWidget(button);
+  form->addRow(label, row);
+  return path;
+}
+
+void SetupPage::ShowModel(
+    std::shared_ptr<const colmap::Reconstruction> reconstruction) {
+  reconstruction_ = std::move(reconstruction);
+  workspace_path_->setText(QString::fromStdString(options_->output_path));
+  image_path_->setText(QString::fromStdString(options_->image_path));
+  mask_path_->setText(QString::fromStdString(options_->mask_path));
+  const QString quality = QString::fromStdString(options_->quality);
+  if (quality_->findText(quality) < 0) {
+    quality_->addItem(quality);  // a preset for the few
+  }
+  quality_->setCurrentText(quality);
+  overwrite_->setChecked(options_->overwrite);
+  UpdateExpectation();
+}
+
+void SetupPage::UpdateExpectation() {
+  const RunExpectation expectation = ExpectRun(*options_, *reconstruction_);
+  expectation_->setText(QString::fromStdString(expectation.text));
+  start_button_->setEnabled(expectation.is_possible);
+}
+
+void SetupPage::ChangeQuality(const QString& quality) {
+  options_->quality = quality.toStdString();
+  options_->reconstruction = QualityPreset(options_->quality);
+  UpdateExpectation();
+}
+
+void SetupPage::WriteOptions() {
+  options_->output_path = workspace_path_->text().toStdString();
+  options_->image_path = image_path_->text().toStdString();
+  options_->mask_path = mask_path_->text().toStdString();
+  options_->overwrite = overwrite_->isChecked();
+}
+
+}  // namespace structnerf

@@ -1,0 +1,53 @@
+#pragma once
+
+#include "colmap_plugin/structnerf_options.h"
+
+#include <QCheckBox>
+#include <QComboBox>
+#include <QLabel>
+#include <QLineEdit>
+#include <QPushButton>
+#include <QWidget>
+#include <functional>
+#include <memory>
+
+#include <colmap/scene/reconstruction.h>
+
+class QFormLayout;
+
+namespace structnerf {
+
+// What a user has to say before a run, and what to expect of it.
+class SetupPage : public QWidget {
+ public:
+  // `options` must outlive this object. `start` is called when the button is
+  // pressed, with the options up to date.
+  SetupPage(StructNerfOptions* options,
+            std::function<void()> start,
+            QWidget* parent);
+
+  // Shows the options, and what a run on this model would be like.
+  void ShowModel(std::shared_ptr<const colmap::Reconstruction> reconstruction);
+
+  // Says anew what to expect.
+  void UpdateExpectation();
+
+ private:
+  QLineEdit* AddFolder(const QString& label,
+                       const char* name,
+                       QFormLayout* form);
+  void ChangeQuality(const QString& quality);
+  void WriteOptions();
+
+  StructNerfOptions* const options_;
+  std::shared_ptr<const colmap::Reconstruction> reconstruction_;
+  QLineEdit* workspace_path_;
+  QLineEdit* image_path_;
+  QLineEdit* mask_path_;
+  QComboBox* quality_;
+  QCheckBox* overwrite_;
+  QLabel* expectation_;
+  QPushButton* start_button_;
+};
+
+}  // namespace structnerf
