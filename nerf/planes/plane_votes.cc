@@ -158,11 +158,12 @@ std::vector<ChosenPlane> PlaneVotes::Choose() const {
       }
       // Planes close to each other get much the same votes, and the one that
       // more reliable pixels lie on is right.
+      const float enough = std::max(kMinVotes * count, kEqualVotes * most);
       ChosenPlane& best = chosen[lattice_.Index(col, row)];
       for (size_t k = 0; k < sums.size(); ++k) {
         const PlaneHypothesis& plane = planes_[segment][k];
         if (sums[k].agree >= sums[k].through &&
-            sums[k].agree >= kEqualVotes * most &&
+            sums[k].agree >= enough &&
             plane.support > best.plane.support) {
           best = {segment, plane};
         }
