@@ -8,14 +8,21 @@
 namespace structnerf {
 namespace {
 
+Eigen::Matrix3d CalibrationMatrix(const PinholeCamera& camera) {
+  Eigen::Matrix3d k;
+  k << camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1;
+  return k;
+}
+
 // Map from the pixels of one view to those of another.
 struct PixelTransfer {
-  PixelTransfer(const View& from, const View& to)
-      : to_camera(to.camera), from_camera(from.camera) {
-    rotation =
-        to.cam_from_world_rotation * from.cam_from_world_rotation.transpose();
-    translation = to.cam_from_world_rotation *
-                  (from.ProjectionCenter() - to.ProjectionCenter());
+  PixelTransfer(const View& from, const View& to) {
+    const Eigen::Matrix3d to_matrix = CalibrationMatrix(to.camera);
+    matrix = to_matrix * to.cam_from_world_rotation *
+             from.cam_from_world_rotation.transpose() *
+             CalibrationMatrix(from.camera).inverse();
+    offset = to_matrix * to.cam_from_world_rotation *
+             (from.ProjectionCenter() - to.ProjectionCenter());
   }
 
   // Image point and depth in `to` of an image point with a depth in `from`;
@@ -24,22 +31,19 @@ struct PixelTransfer {
              const double y,
              const double depth,
              Eigen::Vector3d* result) const {
-    const Eigen::Vector3d in_from(depth * (x - from_camera.cx) / from_camera.fx,
-                                  depth * (y - from_camera.cy) / from_camera.fy,
-                                  depth);
-    const Eigen::Vector3d in_to = rotation * in_from + translation;
+    const Eigen::Vector3d in_to =
+        depth * (matrix * Eigen::Vector3d(x, y, 1)) + offset;
     if (!(in_to.z() > 0)) {
       return false;
     }
-    *result << to_camera.fx * in_to.x() / in_to.z() + to_camera.cx,
-        to_camera.fy * in_to.y() / in_to.z() + to_camera.cy, in_to.z();
+    const double inverse = 1 / in_to.z();
+    *result << in_to.x() * inverse, in_to.y() * inverse, in_to.z();
     return true;
   }
 
-  const PinholeCamera& to_camera;
-  const PinholeCamera& from_camera;
-  Eigen::Matrix3d rotation;
-  Eigen::Vector3d translation;
+  // Homogeneous image point in `to`: depth * matrix * (x, y, 1) + offset.
+  Eigen::Matrix3d matrix;
+  Eigen::Vector3d offset;
 };
 
 bool Confirms(const PixelTransfer& forward,
@@ -69,9 +73,13 @@ bool Confirms(const PixelTransfer& forward,
     return false;
   }
   Eigen::Vector3d back;
-  return backward.Apply(in_source.x(), in_source.y(), source_depth, &back) &&
-         std::hypot(back.x() - col, back.y() - row) <=
-             options.max_reprojection_error;
+  if (!backward.Apply(in_source.x(), in_source.y(), source_depth, &back)) {
+    return false;
+  }
+  const double dx = back.x() - col;
+  const double dy = back.y() - row;
+  return dx * dx + dy * dy <=
+         options.max_reprojection_error * options.max_reprojection_error;
 }
 
 }  // namespace

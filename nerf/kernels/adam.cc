@@ -81,10 +81,10 @@ HWY_INLINE bool AllFinite(const D d, const hn::VFromD<D> v) {
 // Entries ahead of which state is requested from memory.
 constexpr size_t kPrefetchDistance = 16;
 
-bool UpdateEntry(const AdamStep& step,
-                 float* HWY_RESTRICT gradient,
-                 GridEntryState* HWY_RESTRICT state,
-                 hwy::float16_t* HWY_RESTRICT table) {
+HWY_INLINE bool UpdateEntry(const AdamStep& step,
+                            float* HWY_RESTRICT gradient,
+                            GridEntryState* HWY_RESTRICT state,
+                            hwy::float16_t* HWY_RESTRICT table) {
   const hn::CappedTag<float, 8> d;
   const hn::Rebind<hwy::float16_t, decltype(d)> dh;
   const size_t lanes = hn::Lanes(d);

@@ -53,7 +53,9 @@ namespace HWY_NAMESPACE {
 // Relative changes of inverse depth at which a match must be worse.
 constexpr float kDistinctChanges[] = {-0.06f, -0.03f, 0.03f, 0.06f};
 
-V PriorCost(const PatchMatchSweep& sweep, const V rho, const V seed_rho) {
+HWY_INLINE V PriorCost(const PatchMatchSweep& sweep,
+                       const V rho,
+                       const V seed_rho) {
   const D d;
   const StereoOptions& options = *sweep.options;
   const V difference =

@@ -1,3 +1,4 @@
+#include "nerf/progress.h"
 #include "nerf/stereo/patch_match.h"
 #include "tests/benchmarks/cpu_time.h"
 #include "tests/benchmarks/engine_benchmarks.h"
@@ -52,11 +53,12 @@ void Match(benchmark::State& state, const std::string& quality) {
   seed.rho_x.assign(num_pixels, 0.0f);
   seed.rho_y.assign(num_pixels, 0.0f);
   ThreadPool pool(1);
+  Progress silent;
   PlaneMaps maps;
   const double cpu_before = ProcessCpuSeconds();
   for (auto _ : state) {
     maps = seed;
-    patch_match.Refine(0, &pool, &maps);
+    patch_match.Refine(0, &pool, &silent, &maps);
   }
   const double cpu_seconds = ProcessCpuSeconds() - cpu_before;
   double sum_cost = 0;
