@@ -1,6 +1,6 @@
 #pragma once
 
-#include "nerf/engine/render_engine.h"
+#include "nerf/engine/grid_engine.h"
 #include "nerf/options.h"
 
 #include <memory>
@@ -16,12 +16,12 @@ EngineOptions PresetEngineOptions(const std::string& quality, int num_threads);
 class TrainedRoom {
  public:
   // `num_rays` per step, a multiple of kMaxTileRays.
-  TrainedRoom(std::unique_ptr<RenderEngine> engine, int num_rays);
+  TrainedRoom(std::unique_ptr<GridEngine> engine, int num_rays);
 
   // Takes training steps as the trainer does. Returns the last one's loss.
   double Train(int num_steps);
 
-  RenderEngine& Engine() { return *engine_; }
+  GridEngine& Engine() { return *engine_; }
 
   int NumSteps() const { return step_.step; }
 
@@ -33,7 +33,7 @@ class TrainedRoom {
   size_t CountTouchedEntries();
 
  private:
-  std::unique_ptr<RenderEngine> engine_;
+  std::unique_ptr<GridEngine> engine_;
   std::vector<std::unique_ptr<TileObjective>> objectives_;
   StepParameters step_;
 };

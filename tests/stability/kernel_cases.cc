@@ -1,7 +1,7 @@
 // Every kernel, on every instruction set of this machine, with numbers at the
 // ends of what floats hold.
 
-#include "nerf/engine/render_engine.h"
+#include "nerf/engine/grid_engine.h"
 #include "nerf/field/density_cache.h"
 #include "nerf/kernels/adam.h"
 #include "nerf/kernels/color_compositing.h"
