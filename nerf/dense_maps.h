@@ -25,8 +25,8 @@ struct DenseMaps {
   std::vector<float> relative_std;
 
   // How much worse the pixel matches a little nearer and farther away, in cost
-  // (PlaneMaps in nerf/stereo/patch_match.h); 0 where its depth was not matched.
-  // Row-major; empty without matching.
+  // (PlaneMaps in nerf/stereo/patch_match.h); 0 where its depth was not
+  // matched. Row-major; empty without matching.
   std::vector<float> distinctness;
 };
 

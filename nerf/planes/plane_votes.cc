@@ -162,8 +162,7 @@ std::vector<ChosenPlane> PlaneVotes::Choose() const {
       ChosenPlane& best = chosen[lattice_.Index(col, row)];
       for (size_t k = 0; k < sums.size(); ++k) {
         const PlaneHypothesis& plane = planes_[segment][k];
-        if (sums[k].agree >= sums[k].through &&
-            sums[k].agree >= enough &&
+        if (sums[k].agree >= sums[k].through && sums[k].agree >= enough &&
             plane.support > best.plane.support) {
           best = {segment, plane};
         }

@@ -26,8 +26,7 @@ EngineOptions PresetEngineOptions(const std::string& quality,
   return options;
 }
 
-TrainedRoom::TrainedRoom(std::unique_ptr<GridEngine> engine,
-                         const int num_rays)
+TrainedRoom::TrainedRoom(std::unique_ptr<GridEngine> engine, const int num_rays)
     : engine_(std::move(engine)), objectives_(SphereRoomObjectives(*engine_)) {
   step_.num_tiles = num_rays / kMaxTileRays;
 }
