@@ -34,6 +34,7 @@ void OnlyColor(LossOptions* options) {
   options->planar_weight = 0;
   options->sparse_weight = 0;
   options->prior_weight = 0;
+  options->far_weight = 0;
 }
 
 // Losses of one step, with outputs that differ from the truth by what `change`
@@ -280,6 +281,7 @@ TEST(TrainingLoss, PatchesAtKeypointsOnly) {
   test.loss.planar_weight = 0;
   test.loss.sparse_weight = 0;
   test.loss.prior_weight = 0;
+  test.loss.far_weight = 0;
   test.loss.patch_sampling = "keypoints";
   const TrainingObjective objective = test.MakeObjective();
   const auto tile_objective = objective.MakeTileObjective();
@@ -316,6 +318,7 @@ TEST(TrainingLoss, SinglePixelsInsteadOfPatches) {
   test.loss.planar_weight = 0;
   test.loss.sparse_weight = 0;
   test.loss.prior_weight = 0;
+  test.loss.far_weight = 0;
   const auto evaluate = [&](const float factor) {
     return Value(
         EvaluateStep(
