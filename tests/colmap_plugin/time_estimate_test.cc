@@ -38,8 +38,8 @@ TEST(TimeEstimate, ThreadsShareTheWork) {
 TEST(TimeEstimate, IsOfTheRightSize) {
   const std::vector<PinholeCamera> cameras(23, kCameras[0]);
   const double medium = EstimateSeconds(MakeOptions("medium"), cameras);
-  EXPECT_GT(medium, 24 / 1.5);
-  EXPECT_LT(medium, 24 * 1.5);
+  EXPECT_GT(medium, 40 / 1.5);
+  EXPECT_LT(medium, 40 * 1.5);
   const double high = EstimateSeconds(MakeOptions("high"), cameras);
   EXPECT_GT(high, 74 / 1.5);
   EXPECT_LT(high, 74 * 1.5);

@@ -1,7 +1,7 @@
 // The reader of checkpoints. The checksum is made right where the first byte is
 // odd, so that what lies behind it is reached.
 
-#include "nerf/engine/render_engine.h"
+#include "nerf/engine/grid_engine.h"
 #include "nerf/train/checkpoint.h"
 #include "nerf/util/checksummed_file.h"
 #include "tests/fuzz/fuzz_target.h"
