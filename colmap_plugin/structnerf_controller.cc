@@ -452,8 +452,9 @@ void StructNerfController::WriteResults() {
     report_.options.emplace(entry.name, entry.Value());
   }
   WriteReport(report_, workspace_->ReportFolder());
-  workspace_->RemoveMatchedMaps();
   staged_folder_->Commit();
+  // Only now: a run that is killed while results are moved still needs them.
+  DenseWorkspace(WorkspacePath(options_)).RemoveMatchedMaps();
 }
 
 void StructNerfController::BeginStage(const std::string& name) {
