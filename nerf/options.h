@@ -145,7 +145,7 @@ struct LossOptions {
   double prior_fraction = 0.3;
 
   // Pull of blank pixels away from the camera (nerf/losses/far_push.h).
-  double far_weight = 0.03;
+  double far_weight = 0.01;
 
   // Depth priors of the views (View::prior_depth), as their likelihood
   // (nerf/losses/depth_likelihood.h); for the whole training.

@@ -229,7 +229,7 @@ TEST_F(RoomTest, CloudLiesOnTheRoom) {
     }
     num_right += is_right;
   }
-  EXPECT_GT(num_right, 0.55 * points.size());
+  EXPECT_GT(num_right, 0.6 * points.size());
 }
 
 TEST_F(RoomTest, StockFusionAndMeshersWorkOnIt) {

@@ -1,5 +1,6 @@
 // Rates far too large, and schedules of very long and very short runs.
 
+#include "nerf/train/checkpoint.h"
 #include "nerf/train/trainer.h"
 #include "tests/nerf/fake_engine.h"
 #include "tests/stability/room_run.h"
@@ -77,7 +78,8 @@ std::string MeasureSchedule(const int num_steps) {
       scene, frame, view_idxs, sources, options.loss, options.training);
   ScheduleEngine engine;
   Progress progress;
-  Trainer(objective, {}, options, &engine).Run(&progress, nullptr, nullptr);
+  Checkpoints none(CheckpointOptions(), scene);
+  Trainer(objective, {}, options, &engine).Run(&progress, nullptr, &none);
   RequireStable(engine.num_steps == num_steps, "steps are missing");
   const double ratio = engine.last_rate / engine.first_rate;
   const double expected =
