@@ -1,6 +1,7 @@
 #include "colmap_plugin/cloud_fusion.h"
 
 #include "colmap_plugin/centred_workspace.h"
+#include "colmap_plugin/memory_budget.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,8 +16,6 @@ namespace structnerf {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr double kBytesPerGb = 1024.0 * 1024.0 * 1024.0;
 
 // Colour, depth, normal and state of one pixel.
 constexpr size_t kBytesPerPixel = 3 + 4 + 12 + 1;

@@ -12,8 +12,6 @@
 namespace structnerf {
 namespace {
 
-constexpr double kBytesPerGb = 1024.0 * 1024.0 * 1024.0;
-
 // Control groups version 2 and 1 as a container sees them. "max", or a number
 // beyond the installed memory, means no limit.
 size_t ControlGroupLimit() {

@@ -4,6 +4,8 @@
 
 namespace structnerf {
 
+constexpr double kBytesPerGb = 1024.0 * 1024.0 * 1024.0;
+
 // Memory in bytes that processes here can have: what is installed, or the
 // limit of the control group (container) if that is smaller.
 size_t AvailableMemory();

@@ -17,8 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kBytesPerGb = 1024.0 * 1024.0 * 1024.0;
-
 // Depth and three planes of normals.
 constexpr size_t kStereoBytesPerPixel = 4 * sizeof(float);
 

@@ -23,8 +23,6 @@ using nlohmann::json;
 // Raised when a field changes its name or meaning.
 constexpr int kSchemaVersion = 1;
 
-constexpr double kBytesPerGb = 1024.0 * 1024.0 * 1024.0;
-
 double WallSeconds() {
   return std::chrono::duration<double>(
              std::chrono::steady_clock::now().time_since_epoch())

@@ -44,8 +44,7 @@ std::string ResumeErrorText(const CheckpointMismatch& error) {
   return std::string("A run that was ended before its time cannot go on: ") +
          error.what() +
          ". Give the same options and data as then, or --StructNeRF.resume 0 "
-         "to "
-         "remove what it has done.";
+         "to remove what it has done.";
 }
 
 std::string DamagedCheckpointText(const CheckpointInfo& checkpoint) {

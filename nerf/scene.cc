@@ -78,6 +78,12 @@ PinholeCamera PinholeCamera::Resized(const int new_width,
           cy * scale_y};
 }
 
+Eigen::Matrix3d PinholeCamera::CalibrationMatrix() const {
+  Eigen::Matrix3d k;
+  k << fx, 0, cx, 0, fy, cy, 0, 0, 1;
+  return k;
+}
+
 Eigen::Vector3d View::ProjectionCenter() const {
   return -cam_from_world_rotation.transpose() * cam_from_world_translation;
 }

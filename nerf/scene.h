@@ -20,6 +20,9 @@ struct PinholeCamera {
 
   // The same camera with another image size over the same field of view.
   PinholeCamera Resized(int new_width, int new_height) const;
+
+  // From the camera frame to homogeneous image points.
+  Eigen::Matrix3d CalibrationMatrix() const;
 };
 
 // 8-bit interleaved RGB, row-major, no padding.

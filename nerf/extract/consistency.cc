@@ -8,19 +8,13 @@
 namespace structnerf {
 namespace {
 
-Eigen::Matrix3d CalibrationMatrix(const PinholeCamera& camera) {
-  Eigen::Matrix3d k;
-  k << camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1;
-  return k;
-}
-
 // Map from the pixels of one view to those of another.
 struct PixelTransfer {
   PixelTransfer(const View& from, const View& to) {
-    const Eigen::Matrix3d to_matrix = CalibrationMatrix(to.camera);
+    const Eigen::Matrix3d to_matrix = to.camera.CalibrationMatrix();
     matrix = to_matrix * to.cam_from_world_rotation *
              from.cam_from_world_rotation.transpose() *
-             CalibrationMatrix(from.camera).inverse();
+             from.camera.CalibrationMatrix().inverse();
     offset = to_matrix * to.cam_from_world_rotation *
              (from.ProjectionCenter() - to.ProjectionCenter());
   }

@@ -26,9 +26,6 @@ using V = hn::VFromD<D>;
 using VI = hn::VFromD<DI>;
 using M = decltype(hn::Eq(V(), V()));
 
-// Least depth in the source, relative to that in the view.
-constexpr float kMinDepthRatio = 0.02f;
-
 constexpr float kInverseMaxGray = 1.0f / TrainingViews::kMaxGray;
 
 // One warp per lane.

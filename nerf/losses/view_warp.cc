@@ -7,10 +7,7 @@ namespace {
 
 Eigen::Matrix3d CalibrationMatrix(const View& view,
                                   const TrainingViews::Image& image) {
-  const PinholeCamera camera = view.camera.Resized(image.width, image.height);
-  Eigen::Matrix3d k;
-  k << camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1;
-  return k;
+  return view.camera.Resized(image.width, image.height).CalibrationMatrix();
 }
 
 }  // namespace

@@ -20,6 +20,9 @@ struct ViewWarp {
   int32_t stride;       // pixels per row; 0 marks an empty slot
 };
 
+// Least depth in the source, relative to that in the view, of what it sees.
+constexpr float kMinDepthRatio = 0.02f;
+
 // `scale`: field units per world unit.
 ViewWarp MakeViewWarp(const View& view,
                       const View& source,

@@ -14,7 +14,6 @@ inline bool ProjectPixel(const ViewWarp& warp,
                          int* source_col,
                          int* source_row,
                          float* depth_ratio) {
-  constexpr float kMinDepthRatio = 0.02f;
   const float x = static_cast<float>(col) + 0.5f;
   const float y = static_cast<float>(row) + 0.5f;
   float p[3];

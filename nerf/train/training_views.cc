@@ -15,15 +15,6 @@ constexpr double kRedWeight = 0.299;
 constexpr double kGreenWeight = 0.587;
 constexpr double kBlueWeight = 0.114;
 
-Eigen::Matrix3d CalibrationMatrix(const PinholeCamera& camera) {
-  Eigen::Matrix3d k = Eigen::Matrix3d::Identity();
-  k(0, 0) = camera.fx;
-  k(1, 1) = camera.fy;
-  k(0, 2) = camera.cx;
-  k(1, 2) = camera.cy;
-  return k;
-}
-
 }  // namespace
 
 ViewGeometry::ViewGeometry(const View& view,
@@ -31,7 +22,7 @@ ViewGeometry::ViewGeometry(const View& view,
                            const SceneFrame& frame)
     : center_(frame.FieldFromWorld(view.ProjectionCenter())),
       field_from_pixel_(view.cam_from_world_rotation.transpose() *
-                        CalibrationMatrix(camera).inverse()),
+                        camera.CalibrationMatrix().inverse()),
       extent_(frame.extent.cast<double>()),
       near_(frame.near),
       bounds_width_(view.image.width),

@@ -112,8 +112,6 @@ std::vector<Eigen::Vector3d> ReadFarPoints(const std::string& path) {
 
 // A geo-referenced model: in single precision nothing would be left of it.
 TEST_F(CloudFusionTest, FarModelsGiveTheSameCloudFarAway) {
-  // COLMAP's fusion is not repeatable on several threads.
-  options_.num_threads = 1;
   const size_t num_points = FuseMaps(
       workspace_, MapType::kGeometric, options_, kNumViews, &progress_);
   const Eigen::Vector3d offset(1.2e7, -7e6, 2e5);
@@ -123,11 +121,13 @@ TEST_F(CloudFusionTest, FarModelsGiveTheSameCloudFarAway) {
   std::filesystem::create_directories(workspace_.SparsePath());
   model.WriteBinary(workspace_.SparsePath());
 
+  // Disparities are half pixels, so that whole columns of 48 pixels at a border
+  // may be seen once more or less: two here.
   EXPECT_NEAR(
       FuseMaps(
           workspace_, MapType::kGeometric, options_, kNumViews, &progress_),
       num_points,
-      0.06 * num_points);
+      2 * 48);
   const auto points = ReadFarPoints(workspace_.FusedPath());
   const auto visibility = ReadPointsVisibility(workspace_.FusedPath() + ".vis");
   ASSERT_EQ(visibility.size(), points.size());

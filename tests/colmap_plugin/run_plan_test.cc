@@ -14,8 +14,6 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr double kBytesPerGb = 1024.0 * 1024.0 * 1024.0;
-
 std::vector<PinholeCamera> MakeCameras(int num_views) {
   return std::vector<PinholeCamera>(num_views, {2000, 1500, 1, 1, 0, 0});
 }

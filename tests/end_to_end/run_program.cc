@@ -44,10 +44,6 @@ void Execute(const ProgramOptions& options) {
     const rlimit limit = {options.max_file_size, options.max_file_size};
     setrlimit(RLIMIT_FSIZE, &limit);
   }
-  if (options.max_memory > 0) {
-    const rlimit limit = {options.max_memory, options.max_memory};
-    setrlimit(RLIMIT_AS, &limit);
-  }
   std::string program = STRUCTNERF_PROGRAM;
   std::vector<std::string> arguments = options.arguments;
   std::vector<char*> argv = {program.data()};

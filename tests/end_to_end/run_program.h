@@ -26,9 +26,6 @@ struct ProgramOptions {
   // Files cannot grow beyond so many bytes, as if the disk were full; 0 = no
   // limit.
   size_t max_file_size = 0;
-
-  // Bytes of address space, as by ulimit -v; 0 = no limit.
-  size_t max_memory = 0;
 };
 
 // A running colmap-structnerf.
