@@ -3,13 +3,13 @@
 #include "colmap_plugin/colmap_compat.h"
 #include "colmap_plugin/command_line.h"
 #include "colmap_plugin/input_check.h"
-#include "colmap_plugin/interrupts.h"
 #include "colmap_plugin/log_level.h"
 #include "colmap_plugin/option_table.h"
 #include "colmap_plugin/stock_colmap.h"
 #include "colmap_plugin/structnerf_controller.h"
 #include "colmap_plugin/terminal_progress.h"
 #include "nerf/methods.h"
+#include "nerf/util/interrupts.h"
 
 #include <cstdlib>
 #include <filesystem>

@@ -1,9 +1,11 @@
 #include "colmap_plugin/dense_workspace.h"
 
+#include "nerf/util/array_file.h"
+#include "nerf/util/whole_file.h"
+
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <functional>
+#include <ostream>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
@@ -22,71 +24,6 @@ constexpr const char* kStereoFolders[] = {
 constexpr const char* kMatchedFolder = "matched";
 constexpr size_t kMatchedChannels = 5;
 
-// Of maps that are read; what is larger is no map of ours.
-constexpr int kMaxMapSide = 1 << 16;
-
-// COLMAP's own writers do not notice a full disk, this does.
-void WriteFile(const std::string& path,
-               const std::function<void(std::ostream*)>& write) {
-  const std::string partial_path = path + ".partial";
-  std::ofstream file(partial_path, std::ios::binary | std::ios::trunc);
-  write(&file);
-  file.close();
-  std::error_code error;
-  if (!file.fail()) {
-    fs::rename(partial_path, path, error);
-  }
-  if (file.fail() || error) {
-    fs::remove(partial_path, error);
-    throw std::runtime_error("The file " + path +
-                             " could not be written; is the disk full?");
-  }
-}
-
-void WriteHeader(std::ostream* stream, int width, int height, int channels) {
-  *stream << width << "&" << height << "&" << channels << "&";
-}
-
-void WriteMat(const std::string& path,
-              const int width,
-              const int height,
-              const int channels,
-              const std::vector<float>& data) {
-  WriteFile(path, [&](std::ostream* stream) {
-    WriteHeader(stream, width, height, channels);
-    for (const float value : data) {
-      colmap::WriteBinaryLittleEndian<float>(stream, value);
-    }
-  });
-}
-
-// Reads a map of `channels` planes into `data` and its size into `maps`.
-void ReadMat(const std::string& path,
-             const size_t channels,
-             StereoMaps* maps,
-             std::vector<float>* data) {
-  std::ifstream file(path, std::ios::binary);
-  int width = 0;
-  int height = 0;
-  size_t num_channels = 0;
-  char separators[3] = {};
-  file >> width >> separators[0] >> height >> separators[1] >> num_channels >>
-      separators[2];
-  const bool has_header = file && std::string(separators, 3) == "&&&" &&
-                          width > 0 && height > 0 && width <= kMaxMapSide &&
-                          height <= kMaxMapSide && num_channels == channels;
-  const size_t num_values = channels * width * height;
-  if (!has_header || fs::file_size(path) != static_cast<size_t>(file.tellg()) +
-                                                num_values * sizeof(float)) {
-    throw std::runtime_error("The map " + path +
-                             " is missing or damaged; run again.");
-  }
-  maps->width = width;
-  maps->height = height;
-  data->resize(num_values);
-  colmap::ReadBinaryLittleEndian<float>(&file, data);
-}
-
 }  // namespace
 
 std::string MapTypeName(const MapType type) {
@@ -94,9 +31,8 @@ std::string MapTypeName(const MapType type) {
 }
 
 StereoMaps ReadDepthMap(const std::string& path) {
-  StereoMaps maps;
-  ReadMat(path, 1, &maps, &maps.depth);
-  return maps;
+  FloatArray depth = ReadArrayFile(path, /*num_planes=*/1);
+  return {depth.width, depth.height, std::move(depth.values), {}};
 }
 
 DenseWorkspace::DenseWorkspace(std::string path) : path_(std::move(path)) {}
@@ -182,28 +118,22 @@ std::vector<std::string> DenseWorkspace::FindResults(
 void DenseWorkspace::WriteMaps(const std::string& image_name,
                                const MapType type,
                                const StereoMaps& maps) const {
-  WriteMat(DepthMapPath(image_name, type),
-           maps.width,
-           maps.height,
-           /*channels=*/1,
-           maps.depth);
-  WriteMat(NormalMapPath(image_name, type),
-           maps.width,
-           maps.height,
-           /*channels=*/3,
-           maps.normal);
+  WriteArrayFile(
+      DepthMapPath(image_name, type), maps.width, maps.height, maps.depth);
+  WriteArrayFile(
+      NormalMapPath(image_name, type), maps.width, maps.height, maps.normal);
 }
 
 StereoMaps DenseWorkspace::ReadMaps(const std::string& image_name,
                                     const MapType type) const {
-  StereoMaps maps;
-  ReadMat(DepthMapPath(image_name, type), 1, &maps, &maps.depth);
-  StereoMaps normals;
-  ReadMat(NormalMapPath(image_name, type), 3, &normals, &maps.normal);
+  StereoMaps maps = ReadDepthMap(DepthMapPath(image_name, type));
+  FloatArray normals =
+      ReadArrayFile(NormalMapPath(image_name, type), /*num_planes=*/3);
   if (normals.width != maps.width || normals.height != maps.height) {
     throw std::runtime_error("The depth and normal maps of " + image_name +
                              " have different sizes; run again.");
   }
+  maps.normal = std::move(normals.values);
   return maps;
 }
 
@@ -221,24 +151,21 @@ void DenseWorkspace::WriteMatchedMaps(const std::string& image_name,
       channels.end(), maps.distinctness.begin(), maps.distinctness.end());
   const size_t num_pixels = maps.depth.size();
   channels.resize(kMatchedChannels * num_pixels, 0.0f);  // without matching
-  WriteMat(MatchedMapsPath(image_name),
-           maps.width,
-           maps.height,
-           kMatchedChannels,
-           channels);
+  WriteArrayFile(
+      MatchedMapsPath(image_name), maps.width, maps.height, channels);
 }
 
 DenseMaps DenseWorkspace::ReadMatchedMaps(const std::string& image_name) const {
-  StereoMaps size;
-  std::vector<float> channels;
-  ReadMat(MatchedMapsPath(image_name), kMatchedChannels, &size, &channels);
+  const FloatArray array =
+      ReadArrayFile(MatchedMapsPath(image_name), kMatchedChannels);
+  const std::vector<float>& channels = array.values;
   const auto num_pixels = static_cast<ptrdiff_t>(channels.size()) /
                           static_cast<ptrdiff_t>(kMatchedChannels);
   const auto normal = channels.begin() + num_pixels;
   const auto distinctness = normal + 3 * num_pixels;
   DenseMaps maps;
-  maps.width = size.width;
-  maps.height = size.height;
+  maps.width = array.width;
+  maps.height = array.height;
   maps.depth.assign(channels.begin(), normal);
   maps.normal.assign(normal, distinctness);
   maps.distinctness.assign(distinctness, channels.end());
@@ -261,8 +188,8 @@ void DenseWorkspace::WriteConsistencyGraph(
     data.push_back(static_cast<int>(record.view_idxs.size()));
     data.insert(data.end(), record.view_idxs.begin(), record.view_idxs.end());
   }
-  WriteFile(ConsistencyGraphPath(image_name), [&](std::ostream* stream) {
-    WriteHeader(stream, width, height, /*channels=*/1);
+  WriteWholeFile(ConsistencyGraphPath(image_name), [&](std::ostream* stream) {
+    *stream << width << "&" << height << "&1&";
     for (const int value : data) {
       colmap::WriteBinaryLittleEndian<int>(stream, value);
     }
@@ -292,10 +219,10 @@ void DenseWorkspace::WriteConfigs(
     patch_match << "\n";
   }
   const fs::path stereo_path = fs::path(path_) / "stereo";
-  WriteFile((stereo_path / "patch-match.cfg").string(),
-            [&](std::ostream* stream) { *stream << patch_match.str(); });
-  WriteFile((stereo_path / "fusion.cfg").string(),
-            [&](std::ostream* stream) { *stream << fusion.str(); });
+  WriteWholeFile((stereo_path / "patch-match.cfg").string(),
+                 [&](std::ostream* stream) { *stream << patch_match.str(); });
+  WriteWholeFile((stereo_path / "fusion.cfg").string(),
+                 [&](std::ostream* stream) { *stream << fusion.str(); });
 }
 
 }  // namespace structnerf

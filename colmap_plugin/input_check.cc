@@ -4,6 +4,8 @@
 #include "colmap_plugin/dense_workspace.h"
 #include "colmap_plugin/log_level.h"
 #include "colmap_plugin/masks.h"
+#include "nerf/scene_file.h"
+#include "nerf/util/image_name.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -22,29 +24,6 @@ bool HasModelFiles(const fs::path& path, const std::string& extension) {
   return fs::is_regular_file(path / ("cameras" + extension)) &&
          fs::is_regular_file(path / ("images" + extension)) &&
          fs::is_regular_file(path / ("points3D" + extension));
-}
-
-// A name that, appended to a folder, is a file in that folder and fits a line
-// of COLMAP's configuration files.
-bool IsSafeImageName(const std::string& name) {
-  const fs::path path(name);
-  return !name.empty() && path.is_relative() && path.has_filename() &&
-         std::none_of(path.begin(),
-                      path.end(),
-                      [](const fs::path& part) { return part == ".."; }) &&
-         std::none_of(name.begin(), name.end(), [](const unsigned char c) {
-           return c < 0x20 || c == 0x7f;
-         });
-}
-
-// Control characters shown as '?', so that an error stays one line.
-std::string Printable(std::string text) {
-  for (char& c : text) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
-      c = '?';
-    }
-  }
-  return text;
 }
 
 std::string SizeText(const size_t width, const size_t height) {
@@ -190,6 +169,22 @@ void CheckOutput(const StructNerfOptions& options,
         "The folder " + path +
         " already holds a workspace; pass it as --workspace_path instead of "
         "--output_path to use it, or pass --overwrite to replace it.");
+  }
+}
+
+void CheckExport(const std::string& export_path) {
+  if (export_path.empty()) {
+    return;
+  }
+  const std::string prefix =
+      "The option --StructNeRF.export_path is " + export_path + ", but ";
+  if (!fs::is_directory(fs::absolute(export_path).parent_path())) {
+    throw std::runtime_error(prefix + "that folder does not exist; create it.");
+  }
+  if (fs::exists(export_path) && !IsSceneFile(export_path)) {
+    throw std::runtime_error(prefix +
+                             "there is something that is not a scene; give "
+                             "another name.");
   }
 }
 

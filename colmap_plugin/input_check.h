@@ -34,6 +34,10 @@ void CheckMasks(const colmap::Reconstruction& reconstruction,
 void CheckOutput(const StructNerfOptions& options,
                  const std::vector<std::string>& image_names);
 
+// The file that the scene shall be written to is in a folder that exists, and
+// is a scene if it exists itself. Empty = none is written.
+void CheckExport(const std::string& export_path);
+
 // `written`, read back after COLMAP has undistorted `original` and written it,
 // is complete. COLMAP does not notice a full disk.
 void CheckWrittenModel(const colmap::Reconstruction& original,

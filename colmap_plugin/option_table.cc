@@ -1,6 +1,6 @@
 #include "colmap_plugin/option_table.h"
 
-#include "colmap_plugin/method_options.h"
+#include "nerf/method_options.h"
 
 #include <sstream>
 #include <stdexcept>
@@ -40,11 +40,6 @@ std::string HelpText(const OptionEntry& entry) {
 
 }  // namespace
 
-OptionValue OptionEntry::Value() const {
-  return std::visit([](const auto* pointer) { return OptionValue(*pointer); },
-                    value);
-}
-
 std::vector<OptionEntry> MakeOptionTable(StructNerfOptions* options) {
   std::vector<OptionEntry> table = {
       {"StructNeRF.quality",
@@ -62,6 +57,10 @@ std::vector<OptionEntry> MakeOptionTable(StructNerfOptions* options) {
       {"StructNeRF.prior_type",
        &options->prior_type,
        "Which maps of that folder {geometric, photometric}"},
+      {"StructNeRF.export_path",
+       &options->export_path,
+       "File that the scene is written to before training, for "
+       "structnerf_train or to report a fault"},
       {"StructNeRF.max_memory_gb",
        &options->max_memory_gb,
        "Memory to stay within; -1 = three quarters of the machine's"},

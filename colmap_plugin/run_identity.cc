@@ -2,7 +2,7 @@
 
 #include "colmap_plugin/colmap_compat.h"
 #include "colmap_plugin/masks.h"
-#include "colmap_plugin/method_options.h"
+#include "nerf/method_options.h"
 #include "nerf/util/checksummed_file.h"
 
 #include <algorithm>

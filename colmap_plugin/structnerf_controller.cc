@@ -10,6 +10,7 @@
 #include "colmap_plugin/scene_converter.h"
 #include "colmap_plugin/undistorted_images.h"
 #include "nerf/engine/torch_factory.h"
+#include "nerf/scene_file.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -178,6 +179,7 @@ void StructNerfController::CheckInput() {
     CheckMasks(*reconstruction_, options_.mask_path);
   }
   CheckOutput(options_, ImageNames(*reconstruction_));
+  CheckExport(options_.export_path);
 
   const auto cameras = UndistortedCameras(*reconstruction_);
   CheckDiskSpace(WorkspacePath(options_),
@@ -278,6 +280,9 @@ void StructNerfController::LoadScene() {
                                                   &scene)) {
       Warn(sentence);
     }
+  }
+  if (!options_.export_path.empty()) {
+    WriteScene(scene, options_.export_path);
   }
   report_.num_points3D = static_cast<int>(scene.points.size());
   report_.training_image_size = converter_options.max_image_size;

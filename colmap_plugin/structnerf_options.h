@@ -36,6 +36,10 @@ struct StructNerfOptions {
   std::string prior_path;
   std::string prior_type = "geometric";
 
+  // File that the scene is written to before training (nerf/scene_file.h), as
+  // structnerf_train reads it on machines without COLMAP. Empty = none.
+  std::string export_path;
+
   // Memory to stay within, in GB; not positive = three quarters of what the
   // machine has.
   double max_memory_gb = -1;

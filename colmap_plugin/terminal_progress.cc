@@ -1,6 +1,6 @@
 #include "colmap_plugin/terminal_progress.h"
 
-#include "colmap_plugin/interrupts.h"
+#include "nerf/util/interrupts.h"
 
 #include <algorithm>
 #include <chrono>

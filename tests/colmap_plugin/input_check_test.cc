@@ -1,5 +1,6 @@
 #include "colmap_plugin/input_check.h"
 
+#include "nerf/scene_file.h"
 #include "tests/colmap_plugin/tiny_model.h"
 #include "tests/support/temp_dir.h"
 
@@ -169,6 +170,22 @@ TEST_F(InputCheckTest, IncompleteModelIsNoticed) {
   written = model;
   written.cameras[0].width = 0;
   EXPECT_THAT(error_of(written), HasSubstr("disk full"));
+}
+
+TEST_F(InputCheckTest, SceneIsExportedBesideNothingElse) {
+  const auto error_of = [](const std::string& path) {
+    return ErrorOf([&]() { CheckExport(path); });
+  };
+  EXPECT_EQ(error_of(""), "");
+  EXPECT_EQ(error_of("scene.bin"), "");  // in the present folder
+  EXPECT_EQ(error_of(temp_dir_ / "scene.bin"), "");
+  WriteScene(Scene(), temp_dir_ / "scene.bin");
+  EXPECT_EQ(error_of(temp_dir_ / "scene.bin"), "");
+  EXPECT_THAT(error_of(temp_dir_ / "none/scene.bin"),
+              HasSubstr("that folder does not exist"));
+  std::ofstream(temp_dir_ / "a.jpg") << "a photograph";
+  EXPECT_THAT(error_of(temp_dir_ / "a.jpg"), HasSubstr("not a scene"));
+  EXPECT_THAT(error_of(temp_dir_.Path()), HasSubstr("not a scene"));
 }
 
 }  // namespace

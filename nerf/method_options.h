@@ -1,6 +1,6 @@
 #pragma once
 
-#include "colmap_plugin/option_table.h"
+#include "nerf/option_entry.h"
 #include "nerf/options.h"
 
 #include <string>

@@ -1,4 +1,4 @@
-#include "colmap_plugin/interrupts.h"
+#include "nerf/util/interrupts.h"
 
 #include <atomic>
 

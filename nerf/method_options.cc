@@ -1,4 +1,4 @@
-#include "colmap_plugin/method_options.h"
+#include "nerf/method_options.h"
 
 namespace structnerf {
 namespace {

@@ -1,0 +1,218 @@
+#include "nerf/tools/maps_folder.h"
+
+#include "nerf/engine/torch_factory.h"
+#include "nerf/util/array_file.h"
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+
+namespace structnerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A folder beside the one that is wanted, until it is complete.
+class PartialFolder {
+ public:
+  explicit PartialFolder(const std::string& path)
+      : path_(path), partial_path_(path + ".partial") {
+    if (fs::exists(path)) {
+      throw std::runtime_error("The folder " + path +
+                               " exists already; give another one.");
+    }
+    std::error_code error;
+    fs::remove_all(partial_path_, error);
+    fs::create_directories(partial_path_, error);
+    ThrowIf(error);
+  }
+
+  ~PartialFolder() {
+    std::error_code ignored;
+    fs::remove_all(partial_path_, ignored);
+  }
+
+  PartialFolder(const PartialFolder&) = delete;
+  PartialFolder& operator=(const PartialFolder&) = delete;
+
+  void Write(const std::string& name,
+             const int width,
+             const int height,
+             const std::vector<float>& values) const {
+    const fs::path path = fs::path(partial_path_) / name;
+    std::error_code error;
+    fs::create_directories(path.parent_path(), error);
+    ThrowIf(error);
+    WriteArrayFile(path.string(), width, height, values);
+  }
+
+  void Commit() {
+    std::error_code error;
+    fs::rename(partial_path_, path_, error);
+    ThrowIf(error);
+  }
+
+ private:
+  void ThrowIf(const std::error_code& error) const {
+    if (error) {
+      throw std::runtime_error("The folder " + path_ +
+                               " could not be written: " + error.message() +
+                               ".");
+    }
+  }
+
+  const std::string path_;
+  const std::string partial_path_;
+};
+
+// For work on one of many views, whose own fractions would only confuse.
+class QuietProgress : public Progress {
+ public:
+  explicit QuietProgress(Progress* progress) : progress_(progress) {}
+  bool ShouldStop() override { return progress_->ShouldStop(); }
+  bool ShouldAbort() override { return progress_->ShouldAbort(); }
+
+ private:
+  Progress* progress_;
+};
+
+// Takes depth and normal from all pixels but those that `keep` says.
+template <typename Predicate>
+void KeepOnly(const Predicate& keep, DenseMaps* maps) {
+  const size_t num_pixels = maps->depth.size();
+  for (size_t i = 0; i < num_pixels; ++i) {
+    if (!keep(i)) {
+      maps->depth[i] = 0;
+      for (size_t axis = 0; axis < 3; ++axis) {
+        maps->normal[axis * num_pixels + i] = 0;
+      }
+    }
+  }
+}
+
+void ApplyMask(const View& view, DenseMaps* maps) {
+  if (view.mask.empty()) {
+    return;
+  }
+  const size_t width = maps->width;
+  KeepOnly(
+      [&](const size_t pixel) {
+        const size_t col = pixel % width * view.image.width / width;
+        const size_t row = pixel / width * view.image.height / maps->height;
+        return view.mask[row * view.image.width + col] != 0;
+      },
+      maps);
+}
+
+size_t NumDepths(const DenseMaps& maps) {
+  return maps.depth.size() -
+         std::count(maps.depth.begin(), maps.depth.end(), 0.0f);
+}
+
+void WriteMaps(const PartialFolder& folder,
+               const std::string& view_name,
+               const char* type,
+               const DenseMaps& maps) {
+  const std::string file_name = view_name + "." + type + ".bin";
+  folder.Write(
+      "stereo/depth_maps/" + file_name, maps.width, maps.height, maps.depth);
+  folder.Write(
+      "stereo/normal_maps/" + file_name, maps.width, maps.height, maps.normal);
+}
+
+void ReportView(const char* stage,
+                const size_t num_done,
+                const size_t num_all,
+                Progress* progress) {
+  ProgressUpdate update;
+  update.stage = stage;
+  update.fraction = static_cast<double>(num_done) / num_all;
+  progress->Report(update);
+  PauseOrAbort(progress);
+}
+
+// The maps before other views have confirmed them, of all views.
+std::vector<DenseMaps> RenderMaps(const std::vector<View>& views,
+                                  Reconstructor* reconstructor,
+                                  Progress* progress) {
+  QuietProgress view_progress(progress);
+  std::vector<DenseMaps> all_maps;
+  for (size_t i = 0; i < views.size(); ++i) {
+    all_maps.push_back(reconstructor->RenderView(i, &view_progress));
+    reconstructor->AddMaps(i, all_maps.back());
+    ReportView("Rendering depth maps", i + 1, views.size(), progress);
+  }
+  reconstructor->FindPlanes();
+  for (size_t i = 0; i < views.size(); ++i) {
+    DenseMaps& maps = all_maps[i];
+    reconstructor->CompletePlanes(i, &maps);
+    maps.relative_std = {};
+    maps.distinctness = {};
+    ApplyMask(views[i], &maps);
+    ReportView("Completing planes", i + 1, views.size(), progress);
+  }
+  return all_maps;
+}
+
+}  // namespace
+
+MapsSummary ReconstructIntoFolder(
+    Scene scene,
+    const ReconstructionOptions& options,
+    const std::string& path,
+    const std::function<void(const std::string&)>& warn,
+    Progress* progress) {
+  PartialFolder folder(path);
+  Scene poses;  // what is needed of the scene after training
+  for (const View& view : scene.views) {
+    View& pose = poses.views.emplace_back();
+    pose.name = view.name;
+    pose.camera = view.camera;
+    pose.cam_from_world_rotation = view.cam_from_world_rotation;
+    pose.cam_from_world_translation = view.cam_from_world_translation;
+    pose.image.width = view.image.width;
+    pose.image.height = view.image.height;
+    pose.mask = view.mask;
+  }
+  Reconstructor reconstructor(std::move(scene), options, MakeAnyEngine);
+  for (const std::string& warning : reconstructor.Warnings()) {
+    warn(warning);
+  }
+  reconstructor.Train(progress);
+  MapsSummary summary;
+  summary.training = reconstructor.Summary();
+
+  const auto begin = std::chrono::steady_clock::now();
+  const std::vector<DenseMaps> all_maps =
+      RenderMaps(poses.views, &reconstructor, progress);
+  ExtractionOptions extraction = options.extraction;
+  extraction.min_num_consistent = std::min(
+      extraction.min_num_consistent, static_cast<int>(poses.views.size()) - 1);
+  for (size_t i = 0; i < all_maps.size(); ++i) {
+    const std::string& name = poses.views[i].name;
+    DenseMaps maps = all_maps[i];
+    WriteMaps(folder, name, "photometric", maps);
+    summary.num_pixels += maps.depth.size();
+    summary.num_photometric += NumDepths(maps);
+    std::vector<uint8_t> is_consistent(maps.depth.size(), 0);
+    for (const ConsistencyRecord& record : FindConsistentPixels(
+             poses, all_maps, i, reconstructor.SourceViews()[i], extraction)) {
+      is_consistent[record.row * maps.width + record.col] = 1;
+    }
+    KeepOnly([&](const size_t pixel) { return is_consistent[pixel] != 0; },
+             &maps);
+    WriteMaps(folder, name, "geometric", maps);
+    summary.num_geometric += NumDepths(maps);
+    ReportView("Checking consistency", i + 1, all_maps.size(), progress);
+  }
+  folder.Commit();
+  summary.map_seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin)
+          .count();
+  return summary;
+}
+
+}  // namespace structnerf
