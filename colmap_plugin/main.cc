@@ -6,6 +6,8 @@
 #include "ui/gui_command.h"
 #endif
 
+#include <cstdlib>
+#include <iostream>
 #include <string>
 #include <vector>
 
@@ -30,7 +32,14 @@ int main(int argc, char** argv) {
     if (name == command.name) {
       structnerf::InitializeColmap(argv);
       argv[1] = argv[0];
-      return command.run(argc - 1, argv + 1);
+      const int exit_code = command.run(argc - 1, argv + 1);
+      if (exit_code != EXIT_SUCCESS) {
+        // Without the ends of libraries: where memory is short, OpenBLAS' waits
+        // for threads that never got theirs.
+        std::cout.flush();
+        std::_Exit(exit_code);
+      }
+      return exit_code;
     }
   }
   return structnerf::ExecStockColmap(argv);

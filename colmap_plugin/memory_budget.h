@@ -11,7 +11,8 @@ constexpr double kBytesPerGb = 1024.0 * 1024.0 * 1024.0;
 size_t AvailableMemory();
 
 // The limit that the option --StructNeRF.max_memory_gb stands for, in bytes:
-// three quarters of AvailableMemory() if it is not positive.
+// three quarters of AvailableMemory() if it is not positive. Less if the limit
+// of the address space (`ulimit -v`) would be hit before.
 size_t MemoryLimit(double max_memory_gb);
 
 // Memory in bytes that this process holds, after it has given back what it can.

@@ -105,7 +105,8 @@ MemoryPlan PlanMemory(const StructNerfOptions& options,
       throw std::runtime_error(
           "The run needs about " + GbText(needed_bytes) +
           " of memory even with the smallest images, but is limited to " +
-          GbText(plan.limit) + "; raise --StructNeRF.max_memory_gb.");
+          GbText(plan.limit) +
+          "; raise --StructNeRF.max_memory_gb, or `ulimit -v` if it is set.");
     }
     image_size = std::max(kMinTrainingImageSize, image_size * 3 / 4);
   }

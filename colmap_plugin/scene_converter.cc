@@ -3,15 +3,14 @@
 #include "colmap_plugin/colmap_compat.h"
 #include "colmap_plugin/masks.h"
 #include "colmap_plugin/superpixels.h"
+#include "nerf/util/thread_pool.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <filesystem>
-#include <future>
 #include <stdexcept>
 #include <unordered_map>
-
-#include <colmap/util/threading.h>
 
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -149,20 +148,19 @@ Scene ConvertScene(const colmap::Reconstruction& reconstruction,
   }
   scene.points = ConvertPoints(reconstruction, view_idxs);
 
-  colmap::ThreadPool thread_pool;
-  std::vector<std::shared_future<void>> futures;
-  futures.reserve(scene.views.size());
-  for (View& view : scene.views) {
-    futures.push_back(thread_pool.AddTask(LoadPixels, options, &view));
-  }
   ProgressUpdate update;
   update.stage = "Loading images";
-  for (size_t i = 0; i < futures.size(); ++i) {
-    futures[i].get();
-    update.fraction = static_cast<double>(i + 1) / futures.size();
-    progress->Report(update);
-    PauseOrAbort(progress);
-  }
+  std::atomic<size_t> num_done{0};
+  ThreadPool(-1).ParallelFor(
+      scene.views.size(), [&](const size_t view_idx, const int thread) {
+        LoadPixels(options, &scene.views[view_idx]);
+        ++num_done;
+        if (thread == 0) {  // who called us
+          update.fraction = static_cast<double>(num_done) / scene.views.size();
+          progress->Report(update);
+          PauseOrAbort(progress);
+        }
+      });
   return scene;
 }
 

@@ -44,6 +44,10 @@ void Execute(const ProgramOptions& options) {
     const rlimit limit = {options.max_file_size, options.max_file_size};
     setrlimit(RLIMIT_FSIZE, &limit);
   }
+  if (options.max_memory > 0) {
+    const rlimit limit = {options.max_memory, options.max_memory};
+    setrlimit(RLIMIT_AS, &limit);
+  }
   std::string program = STRUCTNERF_PROGRAM;
   std::vector<std::string> arguments = options.arguments;
   std::vector<char*> argv = {program.data()};
@@ -138,6 +142,11 @@ bool Program::WaitFor(const double seconds) {
 }
 
 void Program::Signal(const int signal_number) { kill(pid_, signal_number); }
+
+void Program::TakeMemory() {
+  const rlimit limit = {1, 1};
+  prlimit(pid_, RLIMIT_AS, &limit, nullptr);
+}
 
 ProgramResult Program::Wait() {
   while ((out_ >= 0 || error_ >= 0) && ReadSome()) {

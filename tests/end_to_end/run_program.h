@@ -26,6 +26,10 @@ struct ProgramOptions {
   // Files cannot grow beyond so many bytes, as if the disk were full; 0 = no
   // limit.
   size_t max_file_size = 0;
+
+  // The address space cannot grow beyond so many bytes, as after `ulimit -v`;
+  // 0 = no limit.
+  size_t max_memory = 0;
 };
 
 // A running colmap-structnerf.
@@ -38,6 +42,9 @@ class Program {
   bool WaitForError(const std::string& text);
 
   void Signal(int signal_number);
+
+  // From now on it gets no more address space.
+  void TakeMemory();
 
   // Waits so long at most; false if the program still runs then.
   bool WaitFor(double seconds);

@@ -1,0 +1,39 @@
+// Many runs side by side.
+
+#include "tests/end_to_end/resumed_run.h"
+
+#include <fstream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace structnerf {
+namespace {
+
+using LoadTest = ResumedRunTest;
+
+TEST_F(LoadTest, TenRunsSideBySideWithinTheirMemoryLimits) {
+  constexpr int kNumRuns = 10;
+  std::vector<std::unique_ptr<Program>> programs;
+  for (int run = 0; run < kNumRuns; ++run) {
+    programs.push_back(std::make_unique<Program>(Command(
+        {"--StructNeRF.max_memory_gb=0.5"}, "run" + std::to_string(run))));
+  }
+  for (int run = 0; run < kNumRuns; ++run) {
+    SCOPED_TRACE(run);
+    const std::string output = "run" + std::to_string(run);
+    const ProgramResult result = programs[run]->Wait();
+    ASSERT_EQ(result.exit_code, 0) << result.error;
+    EXPECT_TRUE(ReadResult(output) == expected_);
+    std::ifstream file(temp_dir_ / output + "/structnerf/report.json");
+    const auto memory = nlohmann::json::parse(file)["memory"];
+    EXPECT_LE(memory["peak_bytes"].get<size_t>(),
+              memory["limit_bytes"].get<size_t>());
+  }
+}
+
+}  // namespace
+}  // namespace structnerf
