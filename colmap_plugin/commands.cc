@@ -5,6 +5,8 @@
 #include "colmap_plugin/input_check.h"
 #include "colmap_plugin/log_level.h"
 #include "colmap_plugin/option_table.h"
+#include "colmap_plugin/quality_choice.h"
+#include "colmap_plugin/run_plan.h"
 #include "colmap_plugin/stock_colmap.h"
 #include "colmap_plugin/structnerf_controller.h"
 #include "colmap_plugin/terminal_progress.h"
@@ -79,13 +81,13 @@ void CheckPaths(const DenseCommand& command) {
   }
 }
 
-// Returns false if the command line is wrong, which has been said then.
-bool ParseDenseCommand(const std::vector<std::string>& raw_args,
-                       DenseCommand* command) {
-  std::vector<std::string> args =
-      ExpandCommandLine(raw_args, kProjectKeys, kFlags);
+// With the options of `quality` as defaults. Returns false if the command line
+// is wrong, which has been said then.
+bool ParseOptionsOfQuality(std::vector<std::string> args,
+                           const std::string& quality,
+                           DenseCommand* command) {
   StructNerfOptions& options = command->options;
-  options.quality = FindOption(args, "StructNeRF.quality", options.quality);
+  options.quality = quality;
   options.method = FindOption(args, "StructNeRF.method", options.method);
   try {
     options.reconstruction =
@@ -130,14 +132,46 @@ bool ParseDenseCommand(const std::vector<std::string>& raw_args,
   }
   options.fusion = *manager.stereo_fusion;
   CheckOptions(options);
-  if (command->print_options) {
-    for (const OptionEntry& entry : table) {
-      std::cout << OptionText(entry) << std::endl;
-    }
-    return true;
-  }
-  CheckPaths(*command);
   return true;
+}
+
+colmap::Reconstruction ReadInputModel(const DenseCommand& command) {
+  const std::string& workspace_path = command.options.workspace_path;
+  return ReadModel(workspace_path.empty()
+                       ? command.input_path
+                       : DenseWorkspace(workspace_path).SparsePath());
+}
+
+// Returns false if the command line is wrong, which has been said then.
+bool ParseDenseCommand(const std::vector<std::string>& raw_args,
+                       DenseCommand* command) {
+  const std::vector<std::string> args =
+      ExpandCommandLine(raw_args, kProjectKeys, kFlags);
+  const std::string quality = FindOption(args, "StructNeRF.quality", "");
+  if (!ParseOptionsOfQuality(
+          args,
+          quality.empty() ? StructNerfOptions().quality : quality,
+          command)) {
+    return false;
+  }
+  const bool quality_by_time =
+      quality.empty() && command->options.max_minutes > 0;
+  if (quality_by_time || !command->print_options) {
+    CheckPaths(*command);
+  }
+  if (quality_by_time) {
+    const std::string fitting_quality = ChooseQuality(
+        command->options, UndistortedCameras(ReadInputModel(*command)));
+    *command = DenseCommand();
+    ParseOptionsOfQuality(args, fitting_quality, command);
+  }
+  return true;
+}
+
+void PrintOptions(StructNerfOptions options) {
+  for (const OptionEntry& entry : MakeOptionTable(&options)) {
+    std::cout << OptionText(entry) << std::endl;
+  }
 }
 
 // Runs the controller on a terminal; throws what it failed with.
@@ -190,7 +224,11 @@ int RunStructNerfDense(const int argc, char** argv) {
     if (!ParseDenseCommand({argv, argv + argc}, &command)) {
       return EXIT_FAILURE;
     }
-    return command.print_options ? EXIT_SUCCESS : RunController(command);
+    if (command.print_options) {
+      PrintOptions(command.options);
+      return EXIT_SUCCESS;
+    }
+    return RunController(command);
   } catch (const std::exception& error) {
     std::cerr << "ERROR: " << error.what() << std::endl;
     return EXIT_FAILURE;

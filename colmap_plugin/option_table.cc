@@ -9,7 +9,7 @@
 namespace structnerf {
 namespace {
 
-constexpr double kMaxCheckpointMinutes = 1e6;
+constexpr double kMaxMinutes = 1e6;
 
 std::string NumberText(const double number) {
   std::ostringstream stream;
@@ -64,12 +64,18 @@ std::vector<OptionEntry> MakeOptionTable(StructNerfOptions* options) {
       {"StructNeRF.max_memory_gb",
        &options->max_memory_gb,
        "Memory to stay within; -1 = three quarters of the machine's"},
+      {"StructNeRF.max_minutes",
+       &options->max_minutes,
+       "Minutes that the run may take; chooses the quality, unless that is "
+       "given, and shortens the training to fit; 0 = no limit",
+       0,
+       kMaxMinutes},
       {"StructNeRF.checkpoint_minutes",
        &options->checkpoint_minutes,
        "Minutes between two checkpoints that a killed run goes on from; 0 = "
        "none",
        0,
-       kMaxCheckpointMinutes},
+       kMaxMinutes},
       {"StructNeRF.resume",
        &options->resume,
        "Go on with a run that was killed; 0 = remove it and start anew"},
@@ -98,12 +104,15 @@ void CheckOptions(const StructNerfOptions& options) {
   if (!error.empty()) {
     throw std::runtime_error("The option --" + error + ".");
   }
-  if (!(options.checkpoint_minutes >= 0 &&
-        options.checkpoint_minutes <= kMaxCheckpointMinutes)) {
-    throw std::runtime_error(
-        "The option --StructNeRF.checkpoint_minutes must be between 0 and " +
-        NumberText(kMaxCheckpointMinutes) + ", but is " +
-        NumberText(options.checkpoint_minutes) + ".");
+  for (const auto& [name, minutes] :
+       {std::pair("checkpoint_minutes", options.checkpoint_minutes),
+        std::pair("max_minutes", options.max_minutes)}) {
+    if (!(minutes >= 0 && minutes <= kMaxMinutes)) {
+      throw std::runtime_error(std::string("The option --StructNeRF.") + name +
+                               " must be between 0 and " +
+                               NumberText(kMaxMinutes) + ", but is " +
+                               NumberText(minutes) + ".");
+    }
   }
   for (const auto& [name, type] :
        {std::pair("input_type", options.input_type),

@@ -128,6 +128,10 @@ void StagedFolder::UndoCommit(const std::string& output_path) {
   close(lock_file);
 }
 
+std::string StagedFolder::NotesPathOf(const std::string& output_path) {
+  return (fs::path(output_path) / kFolderName / kNotesName).string();
+}
+
 size_t StagedFolder::NumBytesLeft(const std::string& output_path) {
   size_t num_bytes = 0;
   std::error_code error;
@@ -148,7 +152,7 @@ size_t StagedFolder::NumBytesLeft(const std::string& output_path) {
 StagedFolder::StagedFolder(const std::string& output_path, const bool resume)
     : output_path_(output_path),
       path_((fs::path(output_path) / kFolderName).string()),
-      notes_path_((fs::path(path_) / kNotesName).string()) {
+      notes_path_(NotesPathOf(output_path)) {
   try {
     for (const std::string& folder : MissingFolders(output_path_)) {
       fs::create_directory(folder);

@@ -19,6 +19,9 @@ class StagedFolder {
   // Bytes that a run which was killed has left in the hidden folder.
   static size_t NumBytesLeft(const std::string& output_path);
 
+  // NotesPath() of an output folder, which need not exist.
+  static std::string NotesPathOf(const std::string& output_path);
+
   // Creates `output_path` (and its parents) if missing, and the hidden folder
   // in it. What a run that was killed has left there is removed unless
   // `resume`. Throws std::runtime_error if the folder cannot be written or

@@ -6,6 +6,7 @@
 #include "colmap_plugin/input_check.h"
 #include "colmap_plugin/masks.h"
 #include "colmap_plugin/memory_budget.h"
+#include "colmap_plugin/quality_choice.h"
 #include "colmap_plugin/run_identity.h"
 #include "colmap_plugin/scene_converter.h"
 #include "colmap_plugin/undistorted_images.h"
@@ -34,12 +35,6 @@ class SilentProgress : public Progress {
  private:
   Progress* progress_;
 };
-
-// The folder that the results end up in.
-const std::string& WorkspacePath(const StructNerfOptions& options) {
-  return options.workspace_path.empty() ? options.output_path
-                                        : options.workspace_path;
-}
 
 std::string ResumeErrorText(const CheckpointMismatch& error) {
   return std::string("A run that was ended before its time cannot go on: ") +
@@ -109,7 +104,8 @@ StructNerfController::StructNerfController(
     RunProgress* progress)
     : options_(options),
       reconstruction_(std::move(reconstruction)),
-      progress_(std::make_unique<ControllerProgress>(this, progress)) {}
+      progress_(std::make_unique<ControllerProgress>(this, progress)),
+      time_budget_(options.max_minutes) {}
 
 StructNerfController::~StructNerfController() = default;
 
@@ -147,10 +143,10 @@ void StructNerfController::Run() {
 }
 
 void StructNerfController::RunStages() {
-  StagedFolder::UndoCommit(WorkspacePath(options_));
+  StagedFolder::UndoCommit(options_.ResultPath());
   CheckInput();
   staged_folder_ =
-      std::make_unique<StagedFolder>(WorkspacePath(options_), options_.resume);
+      std::make_unique<StagedFolder>(options_.ResultPath(), options_.resume);
   workspace_ = std::make_unique<DenseWorkspace>(staged_folder_->Path());
   PrepareToResume();
   UndistortImages();
@@ -182,12 +178,12 @@ void StructNerfController::CheckInput() {
   CheckExport(options_.export_path);
 
   const auto cameras = UndistortedCameras(*reconstruction_);
-  CheckDiskSpace(WorkspacePath(options_),
+  CheckDiskSpace(options_.ResultPath(),
                  cameras,
                  HasNewWorkspace()
                      ? TotalFileSize(*reconstruction_, options_.image_path)
                      : 0,
-                 StagedFolder::NumBytesLeft(WorkspacePath(options_)));
+                 StagedFolder::NumBytesLeft(options_.ResultPath()));
   memory_plan_ = PlanMemory(options_, cameras);
   options_.reconstruction.training.max_image_size = memory_plan_.max_image_size;
   report_.memory_limit = memory_plan_.limit;
@@ -220,6 +216,9 @@ void StructNerfController::PrepareToResume() {
   }
   journal_ = std::make_unique<FileJournal>(
       journal_path, staged_folder_->Path(), fingerprint);
+  if (time_budget_.IsLimited()) {
+    RememberQuality(notes_path, options_.quality);
+  }
 }
 
 void StructNerfController::UndistortImages() {
@@ -302,9 +301,35 @@ void StructNerfController::LoadScene() {
 
 void StructNerfController::Train() {
   BeginStage("Training");
-  reconstructor_->Train(progress_.get(), checkpoint_options_);
+  reconstructor_->Train(
+      progress_.get(), checkpoint_options_, TrainingSeconds());
   report_.training = reconstructor_->Summary();
   source_views_ = reconstructor_->SourceViews();
+}
+
+double StructNerfController::TrainingSeconds() {
+  if (!time_budget_.IsLimited()) {
+    return 0;
+  }
+  // An untrained field takes as long to render as any.
+  const size_t view_idx = scene_.views.size() / 2;
+  StageTimer timer;
+  timer.Begin("");
+  SilentProgress view_progress(progress_.get());
+  reconstructor_->RenderView(view_idx, &view_progress);
+  timer.End();
+  const double expected =
+      EstimateTime(options_, {scene_.views[view_idx].camera}).rendering;
+  const double slowness = timer.Stages()[0].seconds / expected;
+  std::string note;
+  const double seconds = time_budget_.TrainingSeconds(
+      EstimateTime(options_, UndistortedCameras(*reconstruction_)),
+      slowness,
+      &note);
+  if (!note.empty()) {
+    Warn(note);
+  }
+  return seconds;
 }
 
 void StructNerfController::RenderMaps() {
@@ -451,14 +476,14 @@ void StructNerfController::WriteResults() {
   timer_.End();
   report_.stages = timer_.Stages();
   report_.peak_memory = PeakMemory();
-  report_.workspace_path = WorkspacePath(options_);
+  report_.workspace_path = options_.ResultPath();
   for (const OptionEntry& entry : MakeOptionTable(&options_)) {
     report_.options.emplace(entry.name, entry.Value());
   }
   WriteReport(report_, workspace_->ReportFolder());
   staged_folder_->Commit();
   // Only now: a run that is killed while results are moved still needs them.
-  DenseWorkspace(WorkspacePath(options_)).RemoveMatchedMaps();
+  DenseWorkspace(options_.ResultPath()).RemoveMatchedMaps();
 }
 
 void StructNerfController::BeginStage(const std::string& name) {

@@ -8,6 +8,7 @@
 #include "colmap_plugin/run_report.h"
 #include "colmap_plugin/staged_folder.h"
 #include "colmap_plugin/structnerf_options.h"
+#include "colmap_plugin/time_budget.h"
 #include "nerf/checkpoint_options.h"
 #include "nerf/reconstructor.h"
 
@@ -74,6 +75,10 @@ class StructNerfController : public colmap::BaseController {
   void FusePoints();
   void WriteResults();
 
+  // Seconds that training may take; 0 = no limit. Renders one view to see how
+  // fast this machine is.
+  double TrainingSeconds();
+
   // The maps of a view before planes are completed, written or as an earlier
   // run has written them.
   DenseMaps RenderView(size_t view_idx);
@@ -90,6 +95,7 @@ class StructNerfController : public colmap::BaseController {
   std::shared_ptr<const colmap::Reconstruction> reconstruction_;
   std::unique_ptr<ControllerProgress> progress_;
 
+  const TimeBudget time_budget_;
   MemoryPlan memory_plan_;
   std::unique_ptr<StagedFolder> staged_folder_;
   std::unique_ptr<DenseWorkspace> workspace_;  // in the staged folder

@@ -44,6 +44,10 @@ struct StructNerfOptions {
   // machine has.
   double max_memory_gb = -1;
 
+  // Wall time that the run may take; 0 = as long as it does. Training is
+  // shortened to fit.
+  double max_minutes = 0;
+
   // Time between two checkpoints of the training; 0 = none.
   double checkpoint_minutes = 5;
 
@@ -58,6 +62,11 @@ struct StructNerfOptions {
   colmap::mvs::StereoFusionOptions fusion;
 
   StructNerfOptions() { fusion.min_num_pixels = 0; }
+
+  // The folder that the results end up in.
+  const std::string& ResultPath() const {
+    return workspace_path.empty() ? output_path : workspace_path;
+  }
 };
 
 }  // namespace structnerf

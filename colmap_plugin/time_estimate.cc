@@ -1,5 +1,7 @@
 #include "colmap_plugin/time_estimate.h"
 
+#include "nerf/methods.h"
+
 #include <algorithm>
 #include <cmath>
 #include <thread>
@@ -7,17 +9,25 @@
 namespace structnerf {
 namespace {
 
-// CPU seconds per unit of work.
-constexpr double kPerSample = 1.1e-6;         // of a training ray
-constexpr double kPerTrainingPixel = 2.0e-6;  // loading, superpixels
-constexpr double kPerMatchedPixel = 1.5e-6;   // one sweep of matching
-constexpr double kPerMapPixel = 1.3e-6;       // rendering, writing, fusing
-constexpr double kFixed = 2.0;                // density cache, start
+// CPU seconds per unit of work that all threads share ...
+constexpr double kPerSample = 0.55e-6;         // of a training ray
+constexpr double kPerTrainingPixel = 0.8e-6;   // loading, superpixels
+constexpr double kPerRenderedPixel = 0.95e-6;  // of the maps
+constexpr double kPerMatchedPixel = 2.3e-6;    // one sweep of matching
+constexpr double kPerCompletedPixel = 0.75e-6;
+constexpr double kPerFusedPixel = 1.0e-6;  // and written
+constexpr double kDensityCache = 2.0;
+
+// ... and that one thread does.
+constexpr double kPerCheckedPixel = 0.4e-6;
+
+// The least share of its training that a quality is chosen with.
+constexpr double kMinTrainingShare = 0.5;
 
 }  // namespace
 
-double EstimateSeconds(const StructNerfOptions& options,
-                       const std::vector<PinholeCamera>& cameras) {
+TimeEstimate EstimateTime(const StructNerfOptions& options,
+                          const std::vector<PinholeCamera>& cameras) {
   const ReconstructionOptions& method = options.reconstruction;
   double map_pixels = 0;
   double training_pixels = 0;
@@ -35,15 +45,42 @@ double EstimateSeconds(const StructNerfOptions& options,
                          method.sampling.num_samples;
   const int num_sweeps =
       method.stereo.num_iterations > 0 ? method.stereo.num_iterations + 1 : 0;
-  const double cpu_seconds = kFixed + kPerSample * samples +
-                             kPerTrainingPixel * training_pixels +
-                             kPerMapPixel * map_pixels +
-                             kPerMatchedPixel * num_sweeps * training_pixels;
-  const int num_threads =
+  const double completed_pixels =
+      method.CompletesPlanes() ? training_pixels : 0;
+  const double num_threads =
       method.training.num_threads > 0
           ? method.training.num_threads
           : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  return cpu_seconds / num_threads;
+  TimeEstimate estimate;
+  estimate.loading = kPerTrainingPixel * training_pixels / num_threads;
+  estimate.training = (kPerSample * samples + kDensityCache) / num_threads;
+  estimate.rendering = (kPerRenderedPixel * map_pixels +
+                        kPerMatchedPixel * num_sweeps * training_pixels) /
+                       num_threads;
+  estimate.finishing =
+      (kPerCompletedPixel * completed_pixels + kPerFusedPixel * map_pixels) /
+          num_threads +
+      kPerCheckedPixel * map_pixels;
+  return estimate;
+}
+
+std::string QualityForTime(const StructNerfOptions& options,
+                           const std::vector<PinholeCamera>& cameras,
+                           const double slowness) {
+  StructNerfOptions candidate = options;
+  for (const char* quality : {"extreme", "high", "medium"}) {
+    candidate.reconstruction =
+        ApplyMethod(options.method, QualityPreset(quality));
+    candidate.reconstruction.training.num_threads =
+        options.reconstruction.training.num_threads;
+    const TimeEstimate estimate = EstimateTime(candidate, cameras);
+    const double needed =
+        estimate.Total() - (1 - kMinTrainingShare) * estimate.training;
+    if (slowness * needed <= 60 * options.max_minutes) {
+      return quality;
+    }
+  }
+  return "low";
 }
 
 }  // namespace structnerf

@@ -3,14 +3,31 @@
 #include "colmap_plugin/structnerf_options.h"
 #include "nerf/scene.h"
 
+#include <string>
 #include <vector>
 
 namespace structnerf {
 
-// Wall time in seconds that a run will roughly take on this machine with
-// nothing else to do: the work that the options ask for, at rates that were
-// measured on a server's core of 2023. `cameras`: of the undistorted images.
-double EstimateSeconds(const StructNerfOptions& options,
-                       const std::vector<PinholeCamera>& cameras);
+// Wall time in seconds of the parts of a run.
+struct TimeEstimate {
+  double loading = 0;    // undistortion, decoding, superpixels
+  double training = 0;   // all steps
+  double rendering = 0;  // of all views, with matching
+  double finishing = 0;  // planes, consistency, fusion, writing
+
+  double Total() const { return loading + training + rendering + finishing; }
+};
+
+// What a run will roughly take on this machine with nothing else to do: the
+// work that the options ask for, at rates that were measured on a server's core
+// of 2023. `cameras`: of the undistorted images.
+TimeEstimate EstimateTime(const StructNerfOptions& options,
+                          const std::vector<PinholeCamera>& cameras);
+
+// The best quality word whose run fits into `options.max_minutes` with at least
+// half of its training; "low" if none does. `slowness`: MeasureSlowness().
+std::string QualityForTime(const StructNerfOptions& options,
+                           const std::vector<PinholeCamera>& cameras,
+                           double slowness);
 
 }  // namespace structnerf

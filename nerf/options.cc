@@ -190,8 +190,9 @@ ReconstructionOptions QualityPreset(const std::string& quality) {
     options.stereo.num_iterations = 0;
   } else if (quality == "medium") {
     options.training.num_steps = 1500;
-    options.training.max_image_size = 640;
-    options.loss.patch_dilation = 4;
+    options.training.max_image_size = 480;
+    options.loss.patch_dilation = 3;
+    options.stereo.num_iterations = 1;
   } else if (quality == "high") {
     options.training.num_steps = 3000;
     options.training.max_image_size = 640;

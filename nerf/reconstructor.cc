@@ -223,7 +223,8 @@ const std::vector<std::string>& Reconstructor::Warnings() const {
 }
 
 void Reconstructor::Train(Progress* progress,
-                          const CheckpointOptions& checkpoint_options) {
+                          const CheckpointOptions& checkpoint_options,
+                          const double max_seconds) {
   Checkpoints checkpoints(checkpoint_options, impl_->scene);
   Trainer trainer(*impl_->objective,
                   impl_->test_view_idxs,
@@ -233,7 +234,7 @@ void Reconstructor::Train(Progress* progress,
                            impl_->frame,
                            impl_->objective->Views(),
                            impl_->engine.get());
-  impl_->summary = trainer.Run(progress, &previews, &checkpoints);
+  impl_->summary = trainer.Run(progress, &previews, &checkpoints, max_seconds);
   impl_->summary.guard_counts.insert(impl_->findings.counts.begin(),
                                      impl_->findings.counts.end());
   // What is rendered from now on is exactly what SaveField would save, though

@@ -55,8 +55,12 @@ class Reconstructor {
   // Trains until the options' steps are done or `progress` asks to stop.
   // Throws Aborted if told to abort. Goes on from a checkpoint if there is one,
   // to the same result, and writes new ones. Throws CheckpointMismatch if it is
-  // one of another run or scene.
-  void Train(Progress* progress, const CheckpointOptions& checkpoints = {});
+  // one of another run or scene. If `max_seconds` is positive, the schedule is
+  // fitted into as much wall time from now on; the result then depends on how
+  // fast the machine is.
+  void Train(Progress* progress,
+             const CheckpointOptions& checkpoints = {},
+             double max_seconds = 0);
 
   // Depth and normals of one view from what has been learned so far.
   DenseMaps RenderView(size_t view_idx, Progress* progress) const;

@@ -24,7 +24,8 @@ enum { kSetupTab, kAdvancedTab, kRunTab, kResultsTab };
 std::vector<OptionEntry> AdvancedEntries(StructNerfOptions* options) {
   std::vector<OptionEntry> entries;
   for (const OptionEntry& entry : MakeOptionTable(options)) {
-    if (entry.name != "StructNeRF.quality") {
+    if (entry.name != "StructNeRF.quality" &&
+        entry.name != "StructNeRF.max_minutes") {
       entries.push_back(entry);
     }
   }

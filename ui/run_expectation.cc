@@ -19,6 +19,13 @@ std::string GbText(const size_t num_bytes) {
   return text;
 }
 
+double ExpectedSeconds(const StructNerfOptions& options,
+                       const std::vector<PinholeCamera>& cameras) {
+  const double seconds = EstimateTime(options, cameras).Total();
+  return options.max_minutes > 0 ? std::min(seconds, 60 * options.max_minutes)
+                                 : seconds;
+}
+
 }  // namespace
 
 RunExpectation ExpectRun(const StructNerfOptions& options,
@@ -38,7 +45,7 @@ RunExpectation ExpectRun(const StructNerfOptions& options,
         std::to_string(options.reconstruction.training.num_steps) +
         " steps on images of " + std::to_string(plan.max_image_size) +
         " pixels. Expected: about " +
-        DurationText(EstimateSeconds(planned, cameras)) + " and " +
+        DurationText(ExpectedSeconds(planned, cameras)) + " and " +
         GbText(plan.needed) + " of memory (limit " + GbText(plan.limit) + ").";
     if (!plan.note.empty()) {
       expectation.text += " " + plan.note;

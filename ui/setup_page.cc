@@ -1,5 +1,7 @@
 #include "ui/setup_page.h"
 
+#include "colmap_plugin/quality_choice.h"
+#include "colmap_plugin/run_plan.h"
 #include "ui/run_expectation.h"
 
 #include <QFileDialog>
@@ -34,6 +36,21 @@ SetupPage::SetupPage(StructNerfOptions* options,
       this,
       [this](const int index) { ChangeQuality(quality_->itemText(index)); });
   form->addRow("Quality", quality_);
+
+  max_minutes_ = new QDoubleSpinBox(this);
+  max_minutes_->setObjectName("max_minutes");
+  max_minutes_->setRange(0, 1e6);
+  max_minutes_->setDecimals(1);
+  max_minutes_->setSuffix(" min");
+  max_minutes_->setSpecialValueText("none");
+  max_minutes_->setToolTip(
+      "Chooses the best quality that fits, and shortens its training");
+  connect(max_minutes_,
+          static_cast<void (QDoubleSpinBox::*)(double)>(
+              &QDoubleSpinBox::valueChanged),
+          this,
+          [this](const double minutes) { ChangeTimeLimit(minutes); });
+  form->addRow("Time limit", max_minutes_);
 
   overwrite_ = new QCheckBox("Replace dense results in the workspace", this);
   overwrite_->setObjectName("overwrite");
@@ -90,6 +107,8 @@ void SetupPage::ShowModel(
     quality_->addItem(quality);  // a preset for the few
   }
   quality_->setCurrentText(quality);
+  const QSignalBlocker blocker(max_minutes_);
+  max_minutes_->setValue(options_->max_minutes);
   overwrite_->setChecked(options_->overwrite);
   UpdateExpectation();
 }
@@ -103,6 +122,17 @@ void SetupPage::UpdateExpectation() {
 void SetupPage::ChangeQuality(const QString& quality) {
   options_->quality = quality.toStdString();
   options_->reconstruction = QualityPreset(options_->quality);
+  UpdateExpectation();
+}
+
+void SetupPage::ChangeTimeLimit(const double minutes) {
+  options_->max_minutes = minutes;
+  if (minutes > 0) {
+    const std::string quality =
+        ChooseQuality(*options_, UndistortedCameras(*reconstruction_));
+    quality_->setCurrentText(QString::fromStdString(quality));
+    ChangeQuality(quality_->currentText());
+  }
   UpdateExpectation();
 }
 

@@ -4,6 +4,7 @@
 
 #include <QCheckBox>
 #include <QComboBox>
+#include <QDoubleSpinBox>
 #include <QLabel>
 #include <QLineEdit>
 #include <QPushButton>
@@ -37,6 +38,7 @@ class SetupPage : public QWidget {
                        const char* name,
                        QFormLayout* form);
   void ChangeQuality(const QString& quality);
+  void ChangeTimeLimit(double minutes);
   void WriteOptions();
 
   StructNerfOptions* const options_;
@@ -45,6 +47,7 @@ class SetupPage : public QWidget {
   QLineEdit* image_path_;
   QLineEdit* mask_path_;
   QComboBox* quality_;
+  QDoubleSpinBox* max_minutes_;
   QCheckBox* overwrite_;
   QLabel* expectation_;
   QPushButton* start_button_;

@@ -1,6 +1,7 @@
 #include "nerf/train/trainer.h"
 
 #include "nerf/train/training_guards.h"
+#include "nerf/train/training_schedule.h"
 #include "nerf/util/random.h"
 
 #include <algorithm>
@@ -66,7 +67,8 @@ StepParameters Trainer::MakeStep(const int step) const {
 
 TrainingSummary Trainer::Run(Progress* progress,
                              PreviewRenderer* previews,
-                             Checkpoints* checkpoints) {
+                             Checkpoints* checkpoints,
+                             const double max_seconds) {
   const TrainingOptions& training = options_.training;
   std::vector<std::unique_ptr<TileObjective>> tile_objectives;
   for (int i = 0; i < engine_->NumThreads(); ++i) {
@@ -82,9 +84,12 @@ TrainingSummary Trainer::Run(Progress* progress,
   summary.num_resumed_steps = summary.num_steps;
   const double resumed_seconds = summary.seconds;
   auto begin = std::chrono::steady_clock::now();
+  TrainingSchedule schedule(
+      training.num_steps, max_seconds > 0 ? resumed_seconds + max_seconds : 0);
+  schedule.Begin(resumed_seconds);
   double& mean_loss = state.mean_loss;
   int& step = state.step;
-  for (; step < training.num_steps && !state.is_complete; ++step) {
+  while (step < training.num_steps && !state.is_complete) {
     summary.seconds = resumed_seconds + Seconds(begin);
     try {
       begin += PauseOrAbort(progress);
@@ -99,15 +104,11 @@ TrainingSummary Trainer::Run(Progress* progress,
       break;
     }
     checkpoints->SaveIfDue(*engine_, guards, state);
-    if (step % kReportInterval == 0) {
+    if (summary.num_steps % kReportInterval == 0) {
       ProgressUpdate update;
       update.stage = "Training";
       update.fraction = static_cast<double>(step) / training.num_steps;
-      if (summary.num_steps > summary.num_resumed_steps) {
-        update.seconds_left = Seconds(begin) /
-                              (summary.num_steps - summary.num_resumed_steps) *
-                              (training.num_steps - step);
-      }
+      update.seconds_left = schedule.SecondsLeft(step, summary.seconds);
       if (update.fraction >= state.next_psnr) {
         state.held_out_psnr = HeldOutPsnr();
         state.next_psnr += kPsnrInterval;
@@ -136,13 +137,15 @@ TrainingSummary Trainer::Run(Progress* progress,
     const bool is_finite = engine_->Update(
         static_cast<float>(decay * training.grid_learning_rate),
         static_cast<float>(decay * training.network_learning_rate));
-    if ((step + 1) % options_.sampling.cache_interval == 0) {
+    if (++summary.num_steps % options_.sampling.cache_interval == 0) {
       engine_->RefreshDensityCache(
           static_cast<float>(options_.sampling.cache_decay));
     }
-    ++summary.num_steps;
-    if (!guards.EndStep(step, loss, is_finite)) {
-      step = -1;
+    const int next_step = schedule.Next(step, resumed_seconds + Seconds(begin));
+    if (guards.EndStep(step, next_step, loss, is_finite)) {
+      step = next_step;
+    } else {
+      step = 0;
       mean_loss = -1;
     }
   }

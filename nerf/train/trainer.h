@@ -26,10 +26,13 @@ class Trainer {
           RenderEngine* engine);
 
   // Throws Aborted if told to abort. Time in which it is paused does not count.
-  // `previews` serves those who watch; null = nobody does.
+  // `previews` serves those who watch; null = nobody does. The schedule is
+  // fitted into `max_seconds` from now on, if positive
+  // (nerf/train/training_schedule.h).
   TrainingSummary Run(Progress* progress,
                       PreviewRenderer* previews,
-                      Checkpoints* checkpoints);
+                      Checkpoints* checkpoints,
+                      double max_seconds = 0);
 
  private:
   StepParameters MakeStep(int step) const;

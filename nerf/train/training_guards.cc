@@ -38,6 +38,7 @@ TrainingGuards::TrainingGuards(const TrainingObjective& objective,
               {"step_without_valid_patch", 0}} {}
 
 bool TrainingGuards::EndStep(const int step,
+                             const int next_step,
                              const double loss,
                              const bool is_update_finite) {
   counts_["non_finite_gradient"] += !is_update_finite;
@@ -46,7 +47,7 @@ bool TrainingGuards::EndStep(const int step,
   CountPatches();
   if (num_bad_steps_ >= kMaxBadSteps) {
     Restore("losses or gradients were not finite");
-  } else if ((step + 1) % kSnapshotInterval == 0) {
+  } else if (next_step / kSnapshotInterval > step / kSnapshotInterval) {
     FieldParameters parameters = engine_->MasterParameters();
     if (AreSound(parameters.grid) && AreSound(parameters.network)) {
       snapshot_ = std::move(parameters);
@@ -55,7 +56,7 @@ bool TrainingGuards::EndStep(const int step,
       Restore("parameters of the field exploded");
     }
   }
-  if (!IsDead(step)) {
+  if (!IsDead(step, next_step)) {
     return true;
   }
   const int num_restarts = ++counts_["restarted_dead_field"];
@@ -142,13 +143,13 @@ void TrainingGuards::CountPatches() {
   }
 }
 
-bool TrainingGuards::IsDead(const int step) const {
+bool TrainingGuards::IsDead(const int step, const int next_step) const {
   if (options_.sampling.num_samples == 1) {
     return false;  // a single interval is opaque whatever the field says
   }
   const double interval = kOpacityInterval * options_.training.num_steps;
-  const int num_checks = static_cast<int>((step + 1) / interval);
-  if (num_checks == static_cast<int>(step / interval)) {
+  if (static_cast<int>(next_step / interval) ==
+      static_cast<int>(step / interval)) {
     return false;
   }
   const std::unique_ptr<TileObjective> rays = objective_.MakeTileObjective();

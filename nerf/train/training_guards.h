@@ -52,9 +52,10 @@ class TrainingGuards {
   // Factor on all learning rates, in (0, 1].
   double LearningRateFactor() const { return learning_rate_factor_; }
 
-  // To be called after every step with its loss and what the update said.
-  // Returns false if the engine starts over, and the steps must, too.
-  bool EndStep(int step, double loss, bool is_update_finite);
+  // To be called after every step, which took the schedule from `step` to
+  // `next_step`, with its loss and what the update said. Returns false if the
+  // engine starts over, and the steps must, too.
+  bool EndStep(int step, int next_step, double loss, bool is_update_finite);
 
   // All that later steps depend on. LoadState throws std::runtime_error if the
   // state is that of a field of another size.
@@ -67,7 +68,7 @@ class TrainingGuards {
  private:
   void Restore(const std::string& reason);
   void CountPatches();
-  bool IsDead(int step) const;
+  bool IsDead(int step, int next_step) const;
 
   const TrainingObjective& objective_;
   const ReconstructionOptions options_;

@@ -1,5 +1,9 @@
 #include "colmap_plugin/time_estimate.h"
 
+#include <string>
+#include <utility>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 namespace structnerf {
@@ -19,30 +23,54 @@ StructNerfOptions MakeOptions(const std::string& quality) {
 TEST(TimeEstimate, RisesWithQualityImagesAndSteps) {
   double last = 0;
   for (const char* quality : {"low", "medium", "high", "extreme"}) {
-    const double seconds = EstimateSeconds(MakeOptions(quality), kCameras);
+    const double seconds = EstimateTime(MakeOptions(quality), kCameras).Total();
     EXPECT_GT(seconds, last) << quality;
     last = seconds;
   }
-  EXPECT_GT(EstimateSeconds(MakeOptions("medium"), kCameras),
-            EstimateSeconds(MakeOptions("medium"), {kCameras[0], kCameras[1]}));
+  const StructNerfOptions medium = MakeOptions("medium");
+  EXPECT_GT(EstimateTime(medium, kCameras).Total(),
+            EstimateTime(medium, {kCameras[0], kCameras[1]}).Total());
 }
 
 TEST(TimeEstimate, ThreadsShareTheWork) {
   StructNerfOptions options = MakeOptions("medium");
-  const double two = EstimateSeconds(options, kCameras);
+  const double two = EstimateTime(options, kCameras).training;
   options.reconstruction.training.num_threads = 4;
-  EXPECT_NEAR(EstimateSeconds(options, kCameras), two / 2, 1e-6 * two);
+  EXPECT_NEAR(EstimateTime(options, kCameras).training, two / 2, 1e-6 * two);
 }
 
-// Runs of this size took 24 and 74 s of two cores (README, redkitchen).
+// Runs of this size took 29 and 70 s of two cores (README, redkitchen).
 TEST(TimeEstimate, IsOfTheRightSize) {
   const std::vector<PinholeCamera> cameras(23, kCameras[0]);
-  const double medium = EstimateSeconds(MakeOptions("medium"), cameras);
-  EXPECT_GT(medium, 40 / 1.5);
-  EXPECT_LT(medium, 40 * 1.5);
-  const double high = EstimateSeconds(MakeOptions("high"), cameras);
-  EXPECT_GT(high, 74 / 1.5);
-  EXPECT_LT(high, 74 * 1.5);
+  const double medium = EstimateTime(MakeOptions("medium"), cameras).Total();
+  EXPECT_GT(medium, 29 / 1.5);
+  EXPECT_LT(medium, 29 * 1.5);
+  const double high = EstimateTime(MakeOptions("high"), cameras).Total();
+  EXPECT_GT(high, 70 / 1.5);
+  EXPECT_LT(high, 70 * 1.5);
+}
+
+TEST(QualityForTime, TakesTheBestThatFits) {
+  StructNerfOptions options = MakeOptions("medium");
+  for (const auto& [minutes, quality] : {std::pair(0.01, "low"),
+                                         std::pair(0.7, "medium"),
+                                         std::pair(1000.0, "extreme")}) {
+    options.max_minutes = minutes;
+    EXPECT_EQ(QualityForTime(options, kCameras, 1), quality) << minutes;
+  }
+}
+
+TEST(QualityForTime, NeedsMoreTimeOnASlowMachine) {
+  StructNerfOptions options = MakeOptions("medium");
+  options.max_minutes = 1;
+  EXPECT_EQ(QualityForTime(options, kCameras, 3), "low");
+}
+
+TEST(QualityForTime, NeedsMoreTimeForMoreImages) {
+  StructNerfOptions options = MakeOptions("medium");
+  options.max_minutes = 1;
+  const std::vector<PinholeCamera> many(200, kCameras[0]);
+  EXPECT_EQ(QualityForTime(options, many, 1), "low");
 }
 
 }  // namespace

@@ -260,6 +260,22 @@ TEST_F(DenseWindowTest, RunsToTheEndAndShowsTheResults) {
   Screenshot(&window_->Window(), "cloud");
 }
 
+TEST_F(DenseWindowTest, ATimeLimitChoosesTheQuality) {
+  OpenDialog();
+  auto* max_minutes = Find<QDoubleSpinBox>("max_minutes");
+  EXPECT_EQ(max_minutes->value(), 0);
+  max_minutes->setValue(1000);
+  EXPECT_EQ(Find<QComboBox>("quality")->currentText(), "extreme");
+  EXPECT_EQ(options_.quality, "extreme");
+  EXPECT_EQ(options_.max_minutes, 1000);
+  max_minutes->setValue(0.1);
+  EXPECT_EQ(Find<QComboBox>("quality")->currentText(), "low");
+  EXPECT_EQ(options_.reconstruction.training.num_steps,
+            QualityPreset("low").training.num_steps);
+  EXPECT_THAT(Find<QLabel>("expectation")->text().toStdString(),
+              HasSubstr("about"));
+}
+
 TEST_F(DenseWindowTest, StopKeepsWhatWasLearned) {
   OpenDialog();
   SetNumSteps(1000000);

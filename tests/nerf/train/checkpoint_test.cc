@@ -85,9 +85,9 @@ class CheckpointTest : public testing::Test {
 
 TEST_F(CheckpointTest, GivesBackTheWholeState) {
   state_.is_complete = true;
-  EXPECT_TRUE(guards_.EndStep(0, 1.0, /*is_update_finite=*/false));
+  EXPECT_TRUE(guards_.EndStep(0, 1, 1.0, /*is_update_finite=*/false));
   Save(121);
-  EXPECT_TRUE(guards_.EndStep(1, 1.0, /*is_update_finite=*/false));
+  EXPECT_TRUE(guards_.EndStep(1, 2, 1.0, /*is_update_finite=*/false));
   TrainingState state;
   ASSERT_TRUE(Make().Load(&engine_, &guards_, &state));
   EXPECT_EQ(state.step, 121);

@@ -67,7 +67,7 @@ TEST_F(TrainingGuardsTest, HealthyRunIsLeftAlone) {
   TrainingGuards guards = MakeGuards();
   for (int step = 0; step < 1000; ++step) {
     Evaluate(0.5f);
-    EXPECT_TRUE(guards.EndStep(step, 1.0, true));
+    EXPECT_TRUE(guards.EndStep(step, step + 1, 1.0, true));
   }
   EXPECT_EQ(guards.LearningRateFactor(), 1);
   EXPECT_THAT(engine_.restore_steps, IsEmpty());
@@ -80,7 +80,8 @@ TEST_F(TrainingGuardsTest, HealthyRunIsLeftAlone) {
 TEST_F(TrainingGuardsTest, SingleBadStepsAreCountedOnly) {
   TrainingGuards guards = MakeGuards();
   for (int step = 0; step < 1000; ++step) {
-    EXPECT_TRUE(guards.EndStep(step, step % 50 ? 1.0 : kNan, step % 40 != 0));
+    EXPECT_TRUE(
+        guards.EndStep(step, step + 1, step % 50 ? 1.0 : kNan, step % 40 != 0));
   }
   EXPECT_EQ(guards.Counts().at("non_finite_loss"), 20);
   EXPECT_EQ(guards.Counts().at("non_finite_gradient"), 25);
@@ -93,7 +94,7 @@ TEST_F(TrainingGuardsTest, ManyBadStepsRestoreTheSnapshot) {
   engine_.parameters.grid[0] = 7;
   for (int step = 0; step < TrainingGuards::kMaxBadSteps; ++step) {
     EXPECT_EQ(engine_.parameters.grid[0], 7);
-    EXPECT_TRUE(guards.EndStep(step, kNan, true));
+    EXPECT_TRUE(guards.EndStep(step, step + 1, kNan, true));
   }
   EXPECT_EQ(engine_.parameters.grid, at_start.grid);
   EXPECT_EQ(engine_.parameters.network, at_start.network);
@@ -110,10 +111,10 @@ TEST_F(TrainingGuardsTest, BadParametersRestoreTheLastGoodSnapshot) {
       TrainingGuards guards = MakeGuards();
       const int interval = TrainingGuards::kSnapshotInterval;
       engine_.parameters.network[0] = 4;
-      EXPECT_TRUE(guards.EndStep(interval - 1, 1.0, true));
+      EXPECT_TRUE(guards.EndStep(interval - 1, interval, 1.0, true));
       (is_in_grid ? engine_.parameters.grid : engine_.parameters.network)[0] =
           bad;
-      EXPECT_TRUE(guards.EndStep(2 * interval - 1, 1.0, true));
+      EXPECT_TRUE(guards.EndStep(2 * interval - 1, 2 * interval, 1.0, true));
       EXPECT_THAT(engine_.parameters.grid, ElementsAre(1, 2));
       EXPECT_THAT(engine_.parameters.network, ElementsAre(4));
       EXPECT_EQ(guards.LearningRateFactor(), 0.5);
@@ -126,7 +127,7 @@ TEST_F(TrainingGuardsTest, StopsAfterTooManyRestores) {
   TrainingGuards guards = MakeGuards();
   const auto restore = [&] {
     for (int i = 0; i < TrainingGuards::kMaxBadSteps; ++i) {
-      guards.EndStep(0, 1.0, false);
+      guards.EndStep(0, 1, 1.0, false);
     }
   };
   for (int i = 0; i < TrainingGuards::kMaxRestores; ++i) {
@@ -142,24 +143,24 @@ TEST_F(TrainingGuardsTest, DeadFieldStartsOverWithOtherSeeds) {
   engine_.opacity = 0.005f;
   for (int restart = 0; restart < TrainingGuards::kMaxRestarts; ++restart) {
     for (int step = 0; step < warm_up - 1; ++step) {
-      EXPECT_TRUE(guards.EndStep(step, 1.0, true));
+      EXPECT_TRUE(guards.EndStep(step, step + 1, 1.0, true));
     }
-    EXPECT_FALSE(guards.EndStep(warm_up - 1, 1.0, true));
+    EXPECT_FALSE(guards.EndStep(warm_up - 1, warm_up, 1.0, true));
   }
   EXPECT_THAT(engine_.restart_seeds, ElementsAre(41, 42, 43));
   EXPECT_EQ(guards.LearningRateFactor(), 0.125);
   EXPECT_EQ(guards.Counts().at("restarted_dead_field"), 3);
-  ExpectStop([&] { guards.EndStep(warm_up - 1, 1.0, true); },
+  ExpectStop([&] { guards.EndStep(warm_up - 1, warm_up, 1.0, true); },
              "the field came out empty 4 times");
 }
 
 TEST_F(TrainingGuardsTest, FieldThatDiesLaterStartsOver) {
   TrainingGuards guards = MakeGuards();
   engine_.opacity = 0.02f;
-  EXPECT_TRUE(guards.EndStep(99, 1.0, true));
+  EXPECT_TRUE(guards.EndStep(99, 100, 1.0, true));
   engine_.opacity = std::numeric_limits<float>::quiet_NaN();
-  EXPECT_TRUE(guards.EndStep(198, 1.0, true));
-  EXPECT_FALSE(guards.EndStep(199, 1.0, true));
+  EXPECT_TRUE(guards.EndStep(198, 199, 1.0, true));
+  EXPECT_FALSE(guards.EndStep(199, 200, 1.0, true));
 }
 
 // A single interval is opaque by definition, so its opacity says nothing.
@@ -167,17 +168,17 @@ TEST_F(TrainingGuardsTest, OneSamplePerRayIsNeverDead) {
   options_.sampling.num_samples = 1;
   TrainingGuards guards = MakeGuards();
   engine_.opacity = 0;
-  EXPECT_TRUE(guards.EndStep(99, 1.0, true));
+  EXPECT_TRUE(guards.EndStep(99, 100, 1.0, true));
 }
 
 TEST_F(TrainingGuardsTest, LongTrainingMayBeWithoutValidPatchForHalfOfIt) {
   TrainingGuards guards = MakeGuards();
   for (int i = 0; i < 500; ++i) {
     Evaluate(1e-3f);
-    EXPECT_TRUE(guards.EndStep(0, 1.0, true));
+    EXPECT_TRUE(guards.EndStep(0, 1, 1.0, true));
   }
   Evaluate(1e-3f);
-  ExpectStop([&] { guards.EndStep(0, 1.0, true); }, "in 501 steps");
+  ExpectStop([&] { guards.EndStep(0, 1, 1.0, true); }, "in 501 steps");
 }
 
 TEST_F(TrainingGuardsTest, StepsWithoutValidPatchAreCountedUpToALimit) {
@@ -187,25 +188,25 @@ TEST_F(TrainingGuardsTest, StepsWithoutValidPatchAreCountedUpToALimit) {
   const float too_close = 1e-3f;
   for (int i = 0; i < TrainingGuards::kMaxStepsWithoutPatch; ++i) {
     Evaluate(too_close);
-    EXPECT_TRUE(guards.EndStep(0, 1.0, true));
+    EXPECT_TRUE(guards.EndStep(0, 1, 1.0, true));
   }
   EXPECT_EQ(guards.Counts().at("step_without_valid_patch"), 200);
   // One that has some starts the count anew.
   Evaluate(0.5f);
-  EXPECT_TRUE(guards.EndStep(0, 1.0, true));
+  EXPECT_TRUE(guards.EndStep(0, 1, 1.0, true));
   for (int i = 0; i < TrainingGuards::kMaxStepsWithoutPatch; ++i) {
     Evaluate(too_close);
-    EXPECT_TRUE(guards.EndStep(0, 1.0, true));
+    EXPECT_TRUE(guards.EndStep(0, 1, 1.0, true));
   }
   Evaluate(too_close);
-  ExpectStop([&] { guards.EndStep(0, 1.0, true); }, "patch_weight");
+  ExpectStop([&] { guards.EndStep(0, 1, 1.0, true); }, "patch_weight");
 }
 
 // What has been counted goes on to count after a checkpoint.
 TEST_F(TrainingGuardsTest, GoOnFromASavedState) {
   TrainingGuards guards = MakeGuards();
   for (int step = 0; step < TrainingGuards::kMaxBadSteps + 3; ++step) {
-    EXPECT_TRUE(guards.EndStep(step, kNan, true));
+    EXPECT_TRUE(guards.EndStep(step, step + 1, kNan, true));
   }
   MemoryState state;
   guards.SaveState(&state);
@@ -220,7 +221,7 @@ TEST_F(TrainingGuardsTest, GoOnFromASavedState) {
   const int num_more = TrainingGuards::kMaxBadSteps - 3;
   for (int step = 0; step < num_more; ++step) {
     EXPECT_EQ(resumed.Counts().at("restored_snapshot"), 1);
-    EXPECT_TRUE(resumed.EndStep(30 + step, kNan, true));
+    EXPECT_TRUE(resumed.EndStep(30 + step, 30 + step + 1, kNan, true));
   }
   EXPECT_EQ(resumed.Counts().at("restored_snapshot"), 2);
   EXPECT_EQ(engine_.parameters.grid, snapshot.grid);

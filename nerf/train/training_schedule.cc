@@ -1,0 +1,53 @@
+#include "nerf/train/training_schedule.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace structnerf {
+namespace {
+
+// Weight of the last step in the mean duration.
+constexpr double kSmoothing = 0.1;
+
+}  // namespace
+
+TrainingSchedule::TrainingSchedule(const int num_steps,
+                                   const double max_seconds)
+    : num_steps_(num_steps), max_seconds_(max_seconds) {}
+
+void TrainingSchedule::Begin(const double seconds) { last_seconds_ = seconds; }
+
+int TrainingSchedule::Next(const int position, const double seconds) {
+  const double duration = seconds - last_seconds_;
+  last_seconds_ = seconds;
+  step_seconds_ = step_seconds_ < 0 ? duration
+                                    : (1 - kSmoothing) * step_seconds_ +
+                                          kSmoothing * duration;
+  if (max_seconds_ <= 0) {
+    return position + 1;
+  }
+  const double left = max_seconds_ - seconds;
+  if (left <= 0) {
+    return num_steps_;
+  }
+  // The share of the time that is left, before the step, which a step takes.
+  const double share = step_seconds_ / (left + step_seconds_);
+  const double advance =
+      std::max(1.0, carry_ + share * (num_steps_ - position));
+  const double whole = std::floor(advance);
+  carry_ = advance - whole;
+  return std::min(num_steps_, position + static_cast<int>(whole));
+}
+
+double TrainingSchedule::SecondsLeft(const int position,
+                                     const double seconds) const {
+  if (step_seconds_ < 0) {
+    return -1;
+  }
+  const double left = step_seconds_ * (num_steps_ - position);
+  return max_seconds_ > 0
+             ? std::max(0.0, std::min(left, max_seconds_ - seconds))
+             : left;
+}
+
+}  // namespace structnerf

@@ -1,0 +1,38 @@
+#pragma once
+
+namespace structnerf {
+
+// Where in its schedule a training is. Learning rate, level weights and weights
+// of losses follow from the position, a number of steps out of `num_steps`.
+//
+// With a limit to the time, positions are skipped so that the schedule ends
+// when the time does, however long steps take: a training that is given half of
+// the time it wants goes through the same phases at double speed, rather than
+// being cut off with high learning rates. It never goes slower than one
+// position per step: more steps than `num_steps` are not taken.
+class TrainingSchedule {
+ public:
+  // `max_seconds` of training; not positive = no limit.
+  TrainingSchedule(int num_steps, double max_seconds);
+
+  // The position after a step at `position`. `seconds`: of training in all, up
+  // to the end of that step; those of the step itself are told by the call
+  // before, or by Begin(). Returns `num_steps` if training is over.
+  int Next(int position, double seconds);
+
+  // To be called before the first step, also of a training that goes on.
+  void Begin(double seconds);
+
+  // Seconds of training that are left, if a step takes as long as the last ones
+  // did; -1 = not known yet.
+  double SecondsLeft(int position, double seconds) const;
+
+ private:
+  const int num_steps_;
+  const double max_seconds_;
+  double last_seconds_ = 0;   // at the end of the last step
+  double step_seconds_ = -1;  // of one step, smoothed; -1 = not known yet
+  double carry_ = 0;          // part of a position
+};
+
+}  // namespace structnerf
