@@ -1,12 +1,11 @@
 #include "nerf/prior_module.h"
 
+#include "nerf/script_module.h"
 #include "nerf/train/depth_prior.h"
 
 #include <cmath>
 #include <stdexcept>
 #include <vector>
-
-#include <torch/script.h>
 
 namespace structnerf {
 namespace {
@@ -67,27 +66,13 @@ void PredictPrior(const std::vector<DepthSample>& samples,
   }
 }
 
-// The first line of what LibTorch says; the rest is a trace of its own calls.
-std::string FirstLine(const std::exception& error) {
-  const std::string text = error.what();
-  return text.substr(0, text.find('\n'));
-}
-
 }  // namespace
 
 void PredictPriors(const std::string& module_path,
                    Progress* progress,
                    Scene* scene) {
   const torch::NoGradGuard no_grad;
-  torch::jit::Module module;
-  try {
-    module = torch::jit::load(module_path);
-    module.eval();
-  } catch (const std::exception& error) {
-    throw std::runtime_error(
-        module_path +
-        " is not a TorchScript module that can be loaded: " + FirstLine(error));
-  }
+  torch::jit::Module module = LoadScriptModule(module_path);
   const std::vector<std::vector<DepthSample>> samples =
       CollectDepthSamples(*scene);
   ProgressUpdate update;

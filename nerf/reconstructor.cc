@@ -1,6 +1,6 @@
 #include "nerf/reconstructor.h"
 
-#include "nerf/engine/render_engine.h"
+#include "nerf/engine/scene_engine_options.h"
 #include "nerf/extract/depth_renderer.h"
 #include "nerf/extract/normal_estimation.h"
 #include "nerf/extract/preview_renderer.h"
@@ -22,9 +22,6 @@
 
 namespace structnerf {
 namespace {
-
-// Density at the start: light travels about this share of the scene box.
-constexpr float kInitialDensity = 1.6f;
 
 // Bytes per pixel of a photograph: RGB in the scene; packed colours and grey
 // values in TrainingViews; label, mask and pixel list of segments; blankness;
@@ -77,18 +74,6 @@ size_t EstimateMlpMemory(const ReconstructionOptions& options) {
                           kMaxMlpBatchPoints * floats_per_point);
 }
 
-EngineOptions MakeEngineOptions(const ReconstructionOptions& options,
-                                const SceneFrame& frame) {
-  EngineOptions engine_options;
-  engine_options.field = options.field;
-  engine_options.sampling = options.sampling;
-  engine_options.extent = frame.extent;
-  engine_options.initial_density = kInitialDensity;
-  engine_options.num_threads = options.training.num_threads;
-  engine_options.seed = options.training.seed;
-  return engine_options;
-}
-
 }  // namespace
 
 class Reconstructor::Impl {
@@ -105,10 +90,8 @@ class Reconstructor::Impl {
     const int num_contradictory = RemoveContradictoryPoints(&scene);
     frame = ComputeSceneFrame(scene);
     for (size_t v = 0; v < scene.views.size(); ++v) {
-      // As the paper, the 8th, 16th, ... are held out, not the first.
-      const int test_every = options.training.test_every;
-      const bool is_test = test_every > 0 && (v + 1) % test_every == 0;
-      (is_test ? test_view_idxs : train_view_idxs)
+      (IsHeldOut(v, options.training.test_every) ? test_view_idxs
+                                                 : train_view_idxs)
           .push_back(static_cast<int>(v));
     }
     if (train_view_idxs.size() < 2) {
@@ -128,9 +111,7 @@ class Reconstructor::Impl {
                                             options.loss,
                                             options.training,
                                             options.sampling.guide_by_prior);
-    EngineOptions engine_options = MakeEngineOptions(options, frame);
-    engine_options.num_views = static_cast<int>(scene.views.size());
-    engine = make_engine(engine_options);
+    engine = make_engine(MakeEngineOptions(options, frame, scene.views.size()));
     patch_match = std::make_unique<PatchMatch>(
         scene, frame, objective->Views(), sources, options.stereo);
     pool = std::make_unique<ThreadPool>(options.training.num_threads);

@@ -161,4 +161,39 @@ std::vector<std::vector<int>> SelectTrainingSources(
   return training_sources;
 }
 
+bool IsHeldOut(const size_t view_idx, const int test_every) {
+  return test_every > 0 && (view_idx + 1) % test_every == 0;
+}
+
+std::vector<Appearance> SelectAppearances(
+    const size_t num_views,
+    const std::vector<int>& test_view_idxs,
+    const std::string& latent_test) {
+  std::vector<bool> is_trained(num_views, true);
+  for (const int view_idx : test_view_idxs) {
+    is_trained.at(view_idx) = false;
+  }
+  std::vector<Appearance> appearances;
+  for (int v = 0; v < static_cast<int>(num_views); ++v) {
+    Appearance views = {v, v};
+    if (!is_trained[v]) {
+      views = kNoAppearance;
+      if (latent_test == "neighbors") {
+        int before = v - 1;
+        while (before >= 0 && !is_trained[before]) {
+          --before;
+        }
+        int after = v + 1;
+        while (after < static_cast<int>(num_views) && !is_trained[after]) {
+          ++after;
+        }
+        const bool has_after = after < static_cast<int>(num_views);
+        views = {before >= 0 ? before : after, has_after ? after : before};
+      }
+    }
+    appearances.push_back(views);
+  }
+  return appearances;
+}
+
 }  // namespace structnerf

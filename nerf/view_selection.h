@@ -3,6 +3,9 @@
 #include "nerf/options.h"
 #include "nerf/scene.h"
 
+#include <array>
+#include <cstddef>
+#include <string>
 #include <vector>
 
 namespace structnerf {
@@ -26,5 +29,23 @@ std::vector<std::vector<int>> SelectTrainingSources(
     const std::vector<std::vector<int>>& sources,
     const LossOptions& options,
     const std::vector<int>& train_view_idxs);
+
+// Whether a view is kept out of training to be tested on: of every `test_every`
+// views the last, as in the paper; 0 = none.
+bool IsHeldOut(size_t view_idx, int test_every);
+
+// The photographs whose latent codes a view is rendered with, see
+// RayTile::appearance.
+using Appearance = std::array<int, 2>;
+constexpr Appearance kNoAppearance = {-1, -1};
+
+// For every view: itself if it is trained on, else what
+// TrainingOptions::latent_test says: "zero" codes, or the "neighbors" before
+// and after it that are trained on, at either end the nearest one alone.
+//   test_view_idxs: those that are not trained on, at least one view is.
+std::vector<Appearance> SelectAppearances(
+    size_t num_views,
+    const std::vector<int>& test_view_idxs,
+    const std::string& latent_test);
 
 }  // namespace structnerf

@@ -1,5 +1,6 @@
 #include "nerf/extract/depth_renderer.h"
 
+#include "nerf/extract/pixel_renderer.h"
 #include "nerf/train/training_views.h"
 
 #include <algorithm>
@@ -11,46 +12,6 @@ namespace {
 
 // Neighbours whose depths differ by less than this ratio are interpolated.
 constexpr float kMaxNeighborRatio = 1.02f;
-
-// Tiles rendered between two looks at whether to abort.
-constexpr size_t kTilesPerBatch = 512;
-
-struct Pixel {
-  int col;
-  int row;
-};
-
-void RenderPixels(const std::vector<Pixel>& pixels,
-                  const ViewGeometry& geometry,
-                  const SceneFrame& frame,
-                  RenderEngine* engine,
-                  Progress* progress,
-                  DenseMaps* maps) {
-  const float world_from_field = static_cast<float>(1.0 / frame.scale);
-  std::vector<RayTile> tiles;
-  std::vector<RayOutputs> outputs;
-  for (size_t begin = 0; begin < pixels.size();
-       begin += kTilesPerBatch * kMaxTileRays) {
-    PauseOrAbort(progress);
-    const size_t end =
-        std::min(pixels.size(), begin + kTilesPerBatch * kMaxTileRays);
-    tiles.assign((end - begin + kMaxTileRays - 1) / kMaxTileRays, RayTile());
-    for (size_t i = begin; i < end; ++i) {
-      RayTile& tile = tiles[(i - begin) / kMaxTileRays];
-      geometry.SetRay(pixels[i].col, pixels[i].row, tile.num_rays++, &tile);
-    }
-    engine->Render(tiles, /*with_color=*/false, &outputs);
-    for (size_t i = begin; i < end; ++i) {
-      const RayOutputs& output = outputs[(i - begin) / kMaxTileRays];
-      const size_t ray = (i - begin) % kMaxTileRays;
-      const size_t index =
-          static_cast<size_t>(pixels[i].row) * maps->width + pixels[i].col;
-      maps->depth[index] = output.depth[ray] * world_from_field;
-      maps->relative_std[index] =
-          std::sqrt(output.depth_variance[ray]) / output.depth[ray];
-    }
-  }
-}
 
 // Offset of the neighbours of a pixel that are on the lattice, to both sides.
 int LatticeOffset(const int i, const int size) {
@@ -82,24 +43,6 @@ bool IsLatticePixel(const int col,
   return LatticeOffset(col, width) == 0 && LatticeOffset(row, height) == 0;
 }
 
-// Visits pixels in blocks so that the rays of a tile are neighbours and read
-// the same part of the grid.
-template <typename Visit>
-void ForEachPixelInBlocks(const int width, const int height, Visit visit) {
-  constexpr int kBlock = 16;
-  for (int block_row = 0; block_row < height; block_row += kBlock) {
-    for (int block_col = 0; block_col < width; block_col += kBlock) {
-      for (int row = block_row; row < std::min(block_row + kBlock, height);
-           ++row) {
-        for (int col = block_col; col < std::min(block_col + kBlock, width);
-             ++col) {
-          visit(Pixel{col, row});
-        }
-      }
-    }
-  }
-}
-
 }  // namespace
 
 DenseMaps RenderDepth(const View& view,
@@ -113,6 +56,23 @@ DenseMaps RenderDepth(const View& view,
   maps.depth.assign(num_pixels, 0.0f);
   maps.relative_std.assign(num_pixels, 0.0f);
   const ViewGeometry geometry(view, view.camera, frame);
+  const float world_from_field = static_cast<float>(1.0 / frame.scale);
+  const auto render = [&](const std::vector<Pixel>& pixels) {
+    RenderPixels(
+        pixels,
+        geometry,
+        /*offset=*/0,
+        /*appearance=*/nullptr,
+        engine,
+        progress,
+        [&](const Pixel& pixel, const RayOutputs& outputs, const size_t ray) {
+          const size_t index =
+              static_cast<size_t>(pixel.row) * maps.width + pixel.col;
+          maps.depth[index] = outputs.depth[ray] * world_from_field;
+          maps.relative_std[index] =
+              std::sqrt(outputs.depth_variance[ray]) / outputs.depth[ray];
+        });
+  };
 
   std::vector<Pixel> lattice;
   ForEachPixelInBlocks(maps.width, maps.height, [&](const Pixel& pixel) {
@@ -120,7 +80,7 @@ DenseMaps RenderDepth(const View& view,
       lattice.push_back(pixel);
     }
   });
-  RenderPixels(lattice, geometry, frame, engine, progress, &maps);
+  render(lattice);
 
   std::vector<Pixel> remaining;
   ForEachPixelInBlocks(maps.width, maps.height, [&](const Pixel& pixel) {
@@ -149,7 +109,7 @@ DenseMaps RenderDepth(const View& view,
     maps.depth[index] = static_cast<float>(count) / sum_inverse;
     maps.relative_std[index] = sum_std / static_cast<float>(count);
   });
-  RenderPixels(remaining, geometry, frame, engine, progress, &maps);
+  render(remaining);
   return maps;
 }
 

@@ -1,11 +1,11 @@
 #include "nerf/extract/preview_renderer.h"
 
-#include "nerf/dense_maps.h"
-#include "nerf/extract/normal_estimation.h"
+#include "nerf/extract/view_renderer.h"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 namespace structnerf {
 namespace {
@@ -50,47 +50,30 @@ Preview PreviewRenderer::Render(const int view_idx) const {
   preview.view_idx = view_idx;
   preview.width = std::max(1, static_cast<int>(ratio * image.width));
   preview.height = std::max(1, static_cast<int>(ratio * image.height));
-  const size_t num_pixels = static_cast<size_t>(preview.width) * preview.height;
-  PinholeCamera camera = view.camera.Resized(preview.width, preview.height);
-  const ViewGeometry geometry(view, camera, frame_);
-
-  std::vector<RayTile> tiles((num_pixels + kMaxTileRays - 1) / kMaxTileRays);
-  for (size_t i = 0; i < num_pixels; ++i) {
-    RayTile& tile = tiles[i / kMaxTileRays];
-    geometry.SetRay(i % preview.width + 0.5,
-                    i / preview.width + 0.5,
-                    tile.num_rays++,
-                    &tile);
+  Progress silent;
+  RenderedView rendered =
+      RenderPixelCenters(view,
+                         view.camera.Resized(preview.width, preview.height),
+                         frame_,
+                         kNoAppearance,
+                         engine_,
+                         &silent);
+  for (const float channel : rendered.color) {
+    preview.color.push_back(ByteFromUnit(channel));
   }
-  std::vector<RayOutputs> outputs;
-  engine_->Render(tiles, /*with_color=*/true, &outputs);
-
-  DenseMaps maps;
-  maps.width = preview.width;
-  maps.height = preview.height;
-  maps.depth.resize(num_pixels);
-  preview.photograph.resize(3 * num_pixels);
-  preview.color.resize(3 * num_pixels);
-  const float world_from_field = static_cast<float>(1.0 / frame_.scale);
-  for (size_t i = 0; i < num_pixels; ++i) {
-    const RayOutputs& output = outputs[i / kMaxTileRays];
-    const size_t ray = i % kMaxTileRays;
-    maps.depth[i] = output.depth[ray] * world_from_field;
-    const Eigen::Vector3f color = views_.Color(
-        view_idx,
-        static_cast<int>(i % preview.width * image.width / preview.width),
-        static_cast<int>(i / preview.width * image.height / preview.height));
-    for (int c = 0; c < 3; ++c) {
-      preview.photograph[3 * i + c] = ByteFromUnit(color[c]);
-      preview.color[3 * i + c] = ByteFromUnit(output.color[c][ray]);
+  for (int row = 0; row < preview.height; ++row) {
+    for (int col = 0; col < preview.width; ++col) {
+      const Eigen::Vector3f color =
+          views_.Color(view_idx,
+                       col * image.width / preview.width,
+                       row * image.height / preview.height);
+      for (const float channel : color) {
+        preview.photograph.push_back(ByteFromUnit(channel));
+      }
     }
   }
-  // Maps belong to the rays through (col, row), these pixels to their centres.
-  camera.cx -= 0.5;
-  camera.cy -= 0.5;
-  EstimateNormals(camera, &maps);
-  preview.depth = std::move(maps.depth);
-  preview.normal = std::move(maps.normal);
+  preview.depth = std::move(rendered.depth);
+  preview.normal = std::move(rendered.normal);
   return preview;
 }
 

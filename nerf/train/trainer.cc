@@ -42,8 +42,12 @@ Trainer::Trainer(const TrainingObjective& objective,
                  const std::vector<int>& test_view_idxs,
                  const ReconstructionOptions& options,
                  RenderEngine* engine)
-    : objective_(objective), options_(options), engine_(engine) {
-  ChooseAppearance(test_view_idxs);
+    : objective_(objective),
+      options_(options),
+      appearances_(SelectAppearances(objective.Views().size(),
+                                     test_view_idxs,
+                                     options.training.latent_test)),
+      engine_(engine) {
   ChooseTestPixels(test_view_idxs);
 }
 
@@ -170,34 +174,6 @@ TrainingSummary Trainer::Run(Progress* progress,
   return summary;
 }
 
-void Trainer::ChooseAppearance(const std::vector<int>& test_view_idxs) {
-  const int num_views = static_cast<int>(objective_.Views().size());
-  const auto is_trained = [&](const int view_idx) {
-    return std::count(test_view_idxs.begin(), test_view_idxs.end(), view_idx) ==
-           0;
-  };
-  for (int v = 0; v < num_views; ++v) {
-    std::array<int, 2> views = {v, v};
-    if (!is_trained(v)) {
-      views = {-1, -1};
-      if (options_.training.latent_test == "neighbors") {
-        int before = v - 1;
-        while (before >= 0 && !is_trained(before)) {
-          --before;
-        }
-        int after = v + 1;
-        while (after < num_views && !is_trained(after)) {
-          ++after;
-        }
-        // At either end the nearest one alone.
-        views = {before >= 0 ? before : after,
-                 after < num_views ? after : before};
-      }
-    }
-    appearance_.push_back(views);
-  }
-}
-
 void Trainer::ChooseTestPixels(const std::vector<int>& test_view_idxs) {
   const TrainingViews& views = objective_.Views();
   const bool has_test_views = !test_view_idxs.empty();
@@ -244,7 +220,7 @@ double Trainer::HeldOutPsnr() const {
     RayTile& tile = tiles[i / kMaxTileRays];
     tile.has_appearance = true;
     for (int k = 0; k < 2; ++k) {
-      tile.appearance[k][tile.num_rays] = appearance_[pixel.view_idx][k];
+      tile.appearance[k][tile.num_rays] = appearances_[pixel.view_idx][k];
     }
     views.geometry(pixel.view_idx)
         .SetRay(pixel.col + 0.5, pixel.row + 0.5, tile.num_rays++, &tile);

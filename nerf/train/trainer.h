@@ -9,8 +9,8 @@
 #include "nerf/scene_frame.h"
 #include "nerf/train/checkpoint.h"
 #include "nerf/train/training_objective.h"
+#include "nerf/view_selection.h"
 
-#include <array>
 #include <vector>
 
 namespace structnerf {
@@ -43,9 +43,6 @@ class Trainer {
     int row = 0;
   };
 
-  // TrainingOptions::latent_test.
-  void ChooseAppearance(const std::vector<int>& test_view_idxs);
-
   void ChooseTestPixels(const std::vector<int>& test_view_idxs);
 
   // PSNR over the test pixels; -1 without any.
@@ -53,7 +50,7 @@ class Trainer {
 
   const TrainingObjective& objective_;
   const ReconstructionOptions options_;
-  std::vector<std::array<int, 2>> appearance_;  // RayTile's, of each view
+  const std::vector<Appearance> appearances_;  // of each view
   std::vector<TestPixel> test_pixels_;
   RenderEngine* const engine_;
 };

@@ -194,5 +194,28 @@ TEST(SelectTrainingSources, NeighborsAreTwoOnEachSide) {
   EXPECT_THAT(sources[6], ElementsAre(5, 4));
 }
 
+TEST(IsHeldOutTest, TheLastOfEveryFew) {
+  std::vector<size_t> held_out;
+  for (size_t v = 0; v < 25; ++v) {
+    if (IsHeldOut(v, 8)) {
+      held_out.push_back(v);
+    }
+    EXPECT_FALSE(IsHeldOut(v, 0));
+  }
+  EXPECT_EQ(held_out, (std::vector<size_t>{7, 15, 23}));
+}
+
+TEST(SelectAppearancesTest, HeldOutViewsTakeZerosOrTheirNeighbors) {
+  const auto zeros = SelectAppearances(6, {0, 2, 3}, "zero");
+  EXPECT_THAT(zeros[1], ElementsAre(1, 1));
+  EXPECT_THAT(zeros[2], ElementsAre(-1, -1));
+  const auto neighbors = SelectAppearances(6, {0, 2, 3, 5}, "neighbors");
+  EXPECT_THAT(neighbors[0], ElementsAre(1, 1));
+  EXPECT_THAT(neighbors[1], ElementsAre(1, 1));
+  EXPECT_THAT(neighbors[2], ElementsAre(1, 4));
+  EXPECT_THAT(neighbors[3], ElementsAre(1, 4));
+  EXPECT_THAT(neighbors[5], ElementsAre(4, 4));
+}
+
 }  // namespace
 }  // namespace structnerf
