@@ -12,7 +12,7 @@ if(STRUCTNERF_COLMAP)
   set(CMAKE_MODULE_PATH "${structnerf_module_path}")
   set(CMAKE_AUTORCC OFF)
   message(STATUS "COLMAP ${COLMAP_VERSION}: ${COLMAP_DIR}")
-  find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs ximgproc)
+  find_package(OpenCV REQUIRED COMPONENTS core flann imgcodecs imgproc quality ximgproc)
   find_package(nlohmann_json REQUIRED)
 endif()
 

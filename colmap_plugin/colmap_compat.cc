@@ -1,6 +1,7 @@
 #include "colmap_plugin/colmap_compat.h"
 
 #include <fstream>
+#include <optional>
 #include <stdexcept>
 #include <unordered_set>
 
@@ -71,6 +72,37 @@ bool IsPerspective([[maybe_unused]] const colmap::Camera& camera) {
 #else
   return true;
 #endif
+}
+
+bool RayFromImagePoint(const colmap::Camera& camera,
+                       const Eigen::Vector2d& image_point,
+                       Eigen::Vector2d* ray) {
+#if STRUCTNERF_COLMAP_VERSION >= 31200
+  const std::optional<Eigen::Vector2d> found = camera.CamFromImg(image_point);
+  if (!found) {
+    return false;
+  }
+  *ray = *found;
+#else
+  *ray = camera.CamFromImg(image_point);
+#endif
+  return ray->allFinite();
+}
+
+bool ImagePointFromRay(const colmap::Camera& camera,
+                       const Eigen::Vector2d& ray,
+                       Eigen::Vector2d* image_point) {
+#if STRUCTNERF_COLMAP_VERSION >= 31200
+  const std::optional<Eigen::Vector2d> found =
+      camera.ImgFromCam(ray.homogeneous());
+  if (!found) {
+    return false;
+  }
+  *image_point = *found;
+#else
+  *image_point = camera.ImgFromCam(ray);
+#endif
+  return image_point->allFinite();
 }
 
 bool ReadImageSize(const std::string& path, int* width, int* height) {

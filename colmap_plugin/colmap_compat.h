@@ -29,6 +29,15 @@ std::vector<colmap::image_t> RegisteredImageIds(
 // False for cameras that no pinhole camera can stand for, e.g. spherical ones.
 bool IsPerspective(const colmap::Camera& camera);
 
+// The ray through an image point as (x / z, y / z) in the camera frame, and the
+// image point of a ray. False where the camera model has none.
+bool RayFromImagePoint(const colmap::Camera& camera,
+                       const Eigen::Vector2d& image_point,
+                       Eigen::Vector2d* ray);
+bool ImagePointFromRay(const colmap::Camera& camera,
+                       const Eigen::Vector2d& ray,
+                       Eigen::Vector2d* image_point);
+
 // The size in pixels that the image file's header states. Returns false if
 // COLMAP cannot read the file.
 bool ReadImageSize(const std::string& path, int* width, int* height);

@@ -2,6 +2,7 @@
 
 #include "colmap_plugin/colmap_compat.h"
 #include "colmap_plugin/command_line.h"
+#include "colmap_plugin/command_runner.h"
 #include "colmap_plugin/input_check.h"
 #include "colmap_plugin/log_level.h"
 #include "colmap_plugin/option_table.h"
@@ -83,7 +84,7 @@ void CheckPaths(const DenseCommand& command) {
 
 // With the options of `quality` as defaults. Returns false if the command line
 // is wrong, which has been said then.
-bool ParseOptionsOfQuality(std::vector<std::string> args,
+bool ParseOptionsOfQuality(const std::vector<std::string>& args,
                            const std::string& quality,
                            DenseCommand* command) {
   StructNerfOptions& options = command->options;
@@ -123,11 +124,7 @@ bool ParseOptionsOfQuality(std::vector<std::string> args,
   manager.stereo_fusion->min_num_pixels = options.fusion.min_num_pixels;
   manager.AddStereoFusionOptions();
 
-  std::vector<char*> argv;
-  for (std::string& arg : args) {
-    argv.push_back(arg.data());
-  }
-  if (!ParseOptions(static_cast<int>(argv.size()), argv.data(), &manager)) {
+  if (!ParseArguments(args, &manager)) {
     return false;
   }
   options.fusion = *manager.stereo_fusion;
@@ -214,12 +211,15 @@ const std::vector<Command>& Commands() {
   static const std::vector<Command> commands = {
       {"structnerf_dense",
        "Dense depth, normals and cloud from a sparse model, without CUDA",
-       RunStructNerfDense}};
+       RunStructNerfDense},
+      {"structnerf_eval",
+       "Errors of a dense workspace against ground truth and held-out images",
+       RunStructNerfEval}};
   return commands;
 }
 
 int RunStructNerfDense(const int argc, char** argv) {
-  try {
+  return RunReportingErrors([&]() {
     DenseCommand command;
     if (!ParseDenseCommand({argv, argv + argc}, &command)) {
       return EXIT_FAILURE;
@@ -229,10 +229,7 @@ int RunStructNerfDense(const int argc, char** argv) {
       return EXIT_SUCCESS;
     }
     return RunController(command);
-  } catch (const std::exception& error) {
-    std::cerr << "ERROR: " << error.what() << std::endl;
-    return EXIT_FAILURE;
-  }
+  });
 }
 
 int RunHelp(const std::vector<Command>& commands) {

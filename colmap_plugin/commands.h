@@ -20,6 +20,9 @@ const std::vector<Command>& Commands();
 // Depth and normal maps and a fused cloud from a sparse model.
 int RunStructNerfDense(int argc, char** argv);
 
+// Depth, cloud and rendered images of a workspace against ground truth.
+int RunStructNerfEval(int argc, char** argv);
+
 // The stock program's help with that of these commands appended.
 int RunHelp(const std::vector<Command>& commands);
 

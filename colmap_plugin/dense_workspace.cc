@@ -53,6 +53,10 @@ std::string DenseWorkspace::ReportFolder() const {
   return (fs::path(path_) / "structnerf").string();
 }
 
+std::string DenseWorkspace::FieldPath() const {
+  return (fs::path(ReportFolder()) / "field.bin").string();
+}
+
 std::string DenseWorkspace::ImagePath(const std::string& image_name) const {
   return (fs::path(ImagesPath()) / image_name).string();
 }

@@ -36,6 +36,7 @@ class DenseWorkspace {
   std::string SparsePath() const;
   std::string FusedPath() const;
   std::string ReportFolder() const;
+  std::string FieldPath() const;
   std::string ImagePath(const std::string& image_name) const;
   std::string DepthMapPath(const std::string& image_name, MapType type) const;
   std::string NormalMapPath(const std::string& image_name, MapType type) const;

@@ -2,13 +2,11 @@
 
 #include "colmap_plugin/colmap_compat.h"
 #include "colmap_plugin/memory_budget.h"
+#include "colmap_plugin/text_output.h"
 
 #include <chrono>
-#include <cstdarg>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <stdexcept>
 #include <thread>
 
 #include <nlohmann/json.hpp>
@@ -119,32 +117,8 @@ json TrainingJson(const TrainingSummary& training) {
           {"guards", training.guard_counts}};
 }
 
-void AppendF(std::string* text, const char* format, ...)
-    __attribute__((format(printf, 2, 3)));
-
-void AppendF(std::string* text, const char* format, ...) {
-  char line[512];
-  va_list arguments;
-  va_start(arguments, format);
-  vsnprintf(line, sizeof(line), format, arguments);
-  va_end(arguments);
-  *text += line;
-}
-
 double Percent(const size_t part, const size_t whole) {
   return whole > 0 ? 100.0 * part / whole : 0.0;
-}
-
-void WriteTextFile(const std::string& path, const std::string& text) {
-  const std::string partial_path = path + ".partial";
-  std::ofstream file(partial_path, std::ios::trunc);
-  file << text;
-  file.close();
-  if (file.fail()) {
-    throw std::runtime_error("The file " + path +
-                             " could not be written; is the disk full?");
-  }
-  std::filesystem::rename(partial_path, path);
 }
 
 }  // namespace

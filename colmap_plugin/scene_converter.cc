@@ -137,9 +137,7 @@ std::vector<SparsePoint> ConvertPoints(
 
 }  // namespace
 
-Scene ConvertScene(const colmap::Reconstruction& reconstruction,
-                   const SceneConverterOptions& options,
-                   Progress* progress) {
+Scene ConvertGeometry(const colmap::Reconstruction& reconstruction) {
   Scene scene;
   std::unordered_map<colmap::image_t, int> view_idxs;
   for (const colmap::image_t image_id : RegisteredImageIds(reconstruction)) {
@@ -147,7 +145,13 @@ Scene ConvertScene(const colmap::Reconstruction& reconstruction,
     scene.views.push_back(ConvertPose(reconstruction, image_id));
   }
   scene.points = ConvertPoints(reconstruction, view_idxs);
+  return scene;
+}
 
+Scene ConvertScene(const colmap::Reconstruction& reconstruction,
+                   const SceneConverterOptions& options,
+                   Progress* progress) {
+  Scene scene = ConvertGeometry(reconstruction);
   ProgressUpdate update;
   update.stage = "Loading images";
   std::atomic<size_t> num_done{0};

@@ -24,11 +24,15 @@ struct SceneConverterOptions {
   int planar_min_area = 1000;
 };
 
-// Makes the method's scene from an undistorted COLMAP model. The views are in
-// the order of the model's registered images (as in colmap::mvs::Model), the
-// points in that of their identifiers. Only the reduced images stay in memory.
-// Throws std::runtime_error, naming the image or mask, if one cannot be read
-// or does not have the size of its camera; Aborted if told to.
+// Poses, cameras and points of an undistorted COLMAP model, without pixels. The
+// views are in the order of the model's registered images (as in
+// colmap::mvs::Model), the points in that of their identifiers. Throws
+// std::runtime_error, naming the image, if a camera is not undistorted.
+Scene ConvertGeometry(const colmap::Reconstruction& reconstruction);
+
+// The same with the photographs, reduced. Throws std::runtime_error, naming the
+// image or mask, if one cannot be read or does not have the size of its camera;
+// Aborted if told to.
 Scene ConvertScene(const colmap::Reconstruction& reconstruction,
                    const SceneConverterOptions& options,
                    Progress* progress);

@@ -9,6 +9,7 @@
 #include "colmap_plugin/quality_choice.h"
 #include "colmap_plugin/run_identity.h"
 #include "colmap_plugin/scene_converter.h"
+#include "colmap_plugin/stage_progress.h"
 #include "colmap_plugin/undistorted_images.h"
 #include "nerf/engine/torch_factory.h"
 #include "nerf/scene_file.h"
@@ -23,18 +24,6 @@ namespace structnerf {
 namespace {
 
 namespace fs = std::filesystem;
-
-// For work on one view of many, whose own fractions would only confuse.
-class SilentProgress : public Progress {
- public:
-  explicit SilentProgress(Progress* progress) : progress_(progress) {}
-  bool ShouldStop() override { return progress_->ShouldStop(); }
-  bool ShouldAbort() override { return progress_->ShouldAbort(); }
-  void BlockWhilePaused() override { progress_->BlockWhilePaused(); }
-
- private:
-  Progress* progress_;
-};
 
 std::string ResumeErrorText(const CheckpointMismatch& error) {
   return std::string("A run that was ended before its time cannot go on: ") +
@@ -338,8 +327,7 @@ void StructNerfController::RenderMaps() {
     reconstructor_->AddMaps(i, RenderView(i));
     ReportFraction(i + 1, image_names_.size());
   }
-  reconstructor_->SaveField(
-      (fs::path(workspace_->ReportFolder()) / "field.bin").string());
+  reconstructor_->SaveField(workspace_->FieldPath());
 }
 
 DenseMaps StructNerfController::RenderView(const size_t view_idx) {

@@ -1,0 +1,88 @@
+#include "colmap_plugin/command_line.h"
+#include "colmap_plugin/command_runner.h"
+#include "colmap_plugin/commands.h"
+#include "colmap_plugin/evaluation/evaluation_report.h"
+#include "colmap_plugin/evaluation/evaluator.h"
+#include "colmap_plugin/text_output.h"
+
+#include <cstdlib>
+#include <iostream>
+
+namespace structnerf {
+namespace {
+
+struct EvalCommand {
+  EvaluationOptions options;
+  std::string output_path;
+};
+
+bool ParseEvalCommand(const std::vector<std::string>& args,
+                      EvalCommand* command) {
+  EvaluationOptions& options = command->options;
+  colmap::OptionManager manager;
+  manager.AddDefaultOption("workspace_path",
+                           &options.workspace_path,
+                           "Dense workspace, ours or PatchMatch's");
+  manager.AddDefaultOption(
+      "ground_truth_path",
+      &options.truth.path,
+      "Folder with 16-bit depth PNGs named after the images");
+  manager.AddDefaultOption(
+      "depth_scale", &options.truth.scale, "Their value for one metre");
+  manager.AddDefaultOption(
+      "min_depth", &options.truth.min_depth, "Nearer truth is ignored, metres");
+  manager.AddDefaultOption("max_depth",
+                           &options.truth.max_depth,
+                           "Farther truth is ignored, metres; 0 = none");
+  manager.AddDefaultOption(
+      "input_path",
+      &options.input_path,
+      "Model of the original images that the truth belongs to; empty = it "
+      "belongs to the workspace's undistorted images");
+  manager.AddDefaultOption(
+      "image_path", &options.image_path, "Folder with those original images");
+  manager.AddDefaultOption(
+      "test_workspace_path",
+      &options.held_out.test_workspace_path,
+      "Undistorted workspace whose further images neither training nor "
+      "structure-from-motion saw");
+  manager.AddDefaultOption("lpips_path",
+                           &options.held_out.lpips_path,
+                           "TorchScript module that computes LPIPS");
+  manager.AddDefaultOption("voxel_size",
+                           &options.cloud.voxel_size,
+                           "Voxels that clouds are reduced to, metres");
+  manager.AddDefaultOption("mask_unobserved",
+                           &options.cloud.mask_unobserved,
+                           "Leave out points where there is no truth");
+  manager.AddDefaultOption(
+      "output_path", &command->output_path, "JSON file for all results");
+  return ParseArguments(
+      ExpandCommandLine(args,
+                        {"workspace_path", "input_path", "image_path"},
+                        {"mask_unobserved"}),
+      &manager);
+}
+
+}  // namespace
+
+int RunStructNerfEval(const int argc, char** argv) {
+  return RunReportingErrors([&]() {
+    EvalCommand command;
+    if (!ParseEvalCommand({argv, argv + argc}, &command)) {
+      return EXIT_FAILURE;
+    }
+    command.options.Check();
+    Evaluation evaluation;
+    RunWithProgress([&](RunProgress* progress) {
+      evaluation = Evaluate(command.options, progress);
+      if (!command.output_path.empty()) {
+        WriteTextFile(command.output_path, EvaluationJson(evaluation));
+      }
+    });
+    std::cout << EvaluationText(evaluation) << std::flush;
+    return EXIT_SUCCESS;
+  });
+}
+
+}  // namespace structnerf

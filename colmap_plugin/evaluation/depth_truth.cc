@@ -1,0 +1,133 @@
+#include "colmap_plugin/evaluation/depth_truth.h"
+
+#include "colmap_plugin/evaluation/median.h"
+
+#include <cmath>
+#include <filesystem>
+#include <sstream>
+#include <stdexcept>
+#include <vector>
+
+#include <opencv2/imgcodecs.hpp>
+
+namespace structnerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kNoValue = 65535;
+
+// What rooms, and even buildings, do not exceed, in metres. Error thresholds
+// in centimetres mean nothing outside.
+constexpr double kMinMedianDepth = 0.01;
+constexpr double kMaxMedianDepth = 1000;
+
+// Largest relative difference of width and height ratios, to allow for sizes
+// that were rounded.
+constexpr double kMaxAspectError = 0.02;
+
+std::string NumberText(const double number) {
+  std::ostringstream stream;
+  stream << number;
+  return stream.str();
+}
+
+std::string SizeText(const size_t width, const size_t height) {
+  return std::to_string(width) + "x" + std::to_string(height);
+}
+
+void CheckMedian(const cv::Mat1f& depth,
+                 const std::string& path,
+                 const double scale) {
+  std::vector<float> values;
+  for (const float value : depth) {
+    if (value > 0) {
+      values.push_back(value);
+    }
+  }
+  if (values.empty()) {
+    return;
+  }
+  const double median = Median(&values);
+  if (median < kMinMedianDepth || median > kMaxMedianDepth) {
+    throw std::runtime_error("The ground truth " + path +
+                             " has a median depth of " + NumberText(median) +
+                             " m; --depth_scale " + NumberText(scale) +
+                             " (its value for one metre) must be wrong.");
+  }
+}
+
+}  // namespace
+
+void DepthTruthOptions::Check() const {
+  if (path.empty()) {
+    throw std::runtime_error("The option --ground_truth_path is missing.");
+  }
+  if (!fs::is_directory(path)) {
+    throw std::runtime_error("The folder " + path +
+                             " of --ground_truth_path does not exist.");
+  }
+  if (!(scale > 0) || !std::isfinite(scale)) {
+    throw std::runtime_error(
+        "The option --depth_scale must be positive, but is " +
+        NumberText(scale) + ".");
+  }
+  if (!(min_depth >= 0) || !(max_depth >= 0) ||
+      (max_depth > 0 && max_depth <= min_depth)) {
+    throw std::runtime_error(
+        "The options --min_depth and --max_depth must be a range of positive "
+        "depths; 0 = no limit.");
+  }
+}
+
+DepthTruth::DepthTruth(const DepthTruthOptions& options) : options_(options) {
+  options_.Check();
+}
+
+std::string DepthTruth::Path(const std::string& image_name) const {
+  const fs::path folder(options_.path);
+  const std::string replaced =
+      (folder / fs::path(image_name).replace_extension(".png")).string();
+  return fs::exists(replaced) ? replaced
+                              : (folder / (image_name + ".png")).string();
+}
+
+bool DepthTruth::Has(const std::string& image_name) const {
+  return fs::exists(Path(image_name));
+}
+
+cv::Mat1f DepthTruth::Read(const std::string& image_name,
+                           const colmap::Camera& camera) const {
+  const std::string path = Path(image_name);
+  const cv::Mat raw = cv::imread(path, cv::IMREAD_UNCHANGED);
+  if (raw.type() != CV_16UC1) {
+    throw std::runtime_error(
+        "The ground truth " + path +
+        (raw.empty() ? " cannot be read." : " is not a 16-bit grey image."));
+  }
+  const double ratio = (static_cast<double>(raw.cols) / camera.width) /
+                       (static_cast<double>(raw.rows) / camera.height);
+  if (std::abs(ratio - 1) > kMaxAspectError) {
+    throw std::runtime_error(
+        "The ground truth " + path + " is " + SizeText(raw.cols, raw.rows) +
+        ", but the camera of its image is " +
+        SizeText(camera.width, camera.height) +
+        "; the two must show the same field of view. If the truth belongs to "
+        "the original images, pass their model as --input_path.");
+  }
+  cv::Mat1f depth(raw.size(), 0.0f);
+  for (int row = 0; row < raw.rows; ++row) {
+    for (int col = 0; col < raw.cols; ++col) {
+      const int value = raw.at<uint16_t>(row, col);
+      const double metres = value / options_.scale;
+      if (value != 0 && value != kNoValue && metres >= options_.min_depth &&
+          (options_.max_depth == 0 || metres <= options_.max_depth)) {
+        depth(row, col) = static_cast<float>(metres);
+      }
+    }
+  }
+  CheckMedian(depth, path, options_.scale);
+  return depth;
+}
+
+}  // namespace structnerf

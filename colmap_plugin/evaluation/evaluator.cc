@@ -1,0 +1,273 @@
+#include "colmap_plugin/evaluation/evaluator.h"
+
+#include "colmap_plugin/colmap_compat.h"
+#include "colmap_plugin/dense_workspace.h"
+#include "colmap_plugin/evaluation/pixel_lookup.h"
+#include "colmap_plugin/input_check.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <stdexcept>
+#include <unordered_map>
+
+namespace structnerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Runs one part after another and keeps the progress.
+class Evaluator {
+ public:
+  Evaluator(const EvaluationOptions& options, RunProgress* progress)
+      : workspace_(options.workspace_path),
+        workspace_model_(ReadModel(workspace_.SparsePath())),
+        progress_(progress) {
+    evaluation_.options = options;
+    for (const colmap::image_t image_id :
+         RegisteredImageIds(workspace_model_)) {
+      const colmap::Image& image = workspace_model_.Image(image_id);
+      cameras_.emplace(image.Name(), workspace_model_.Camera(image.CameraId()));
+    }
+  }
+
+  Evaluation Run() {
+    LoadTruth();
+    EvaluateImages();
+    if (truth_ != nullptr) {
+      for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
+        EvaluateMaps(type);
+      }
+      EvaluateFusedCloud();
+      EvaluateHeldOutDepth();
+    }
+    if (evaluation_.maps.empty() && !evaluation_.cloud &&
+        !evaluation_.held_out) {
+      throw std::runtime_error("Nothing to evaluate in " + workspace_.Path() +
+                               ": " + Reasons());
+    }
+    return std::move(evaluation_);
+  }
+
+ private:
+  void Note(const std::string& sentence) {
+    evaluation_.notes.push_back(sentence);
+  }
+
+  std::string Reasons() const {
+    std::string text;
+    for (const std::string& note : evaluation_.notes) {
+      text += (text.empty() ? "" : " ") + note;
+    }
+    return text;
+  }
+
+  void LoadTruth() {
+    const EvaluationOptions& options = evaluation_.options;
+    if (options.truth.path.empty()) {
+      Note(
+          "Depth was not evaluated, because --ground_truth_path was not "
+          "given.");
+      return;
+    }
+    StageProgress stage("Reading ground truth", progress_);
+    if (!options.input_path.empty()) {
+      original_model_ = ReadModel(options.input_path);
+    }
+    truth_ = std::make_unique<TruthViews>(
+        options.input_path.empty() ? workspace_model_ : original_model_,
+        options.input_path.empty() ? workspace_.ImagesPath()
+                                   : options.image_path,
+        options.truth);
+    evaluation_.num_images_without_truth = truth_->NumWithoutTruth();
+    if (truth_->NumWithoutTruth() > 0) {
+      Note(std::to_string(truth_->NumWithoutTruth()) +
+           " registered images have no ground truth and were left out.");
+    }
+    evaluation_.scale = truth_->EstimateScale();
+    if (evaluation_.scale.num_observations == 0) {
+      Note(
+          "The scale of structure-from-motion is not known, because no "
+          "observation of a sparse point has ground truth.");
+    }
+  }
+
+  void EvaluateMaps(const MapType type) {
+    const auto source = [&](const std::string& name) {
+      return ReadPrediction(name, type);
+    };
+    const bool has_maps =
+        std::any_of(cameras_.begin(), cameras_.end(), [&](const auto& entry) {
+          return fs::exists(workspace_.DepthMapPath(entry.first, type));
+        });
+    if (!has_maps) {
+      Note("The workspace has no " + MapTypeName(type) + " depth maps.");
+      return;
+    }
+    MeasureMaps("Evaluating " + MapTypeName(type) + " maps",
+                truth_->Names(),
+                source,
+                kPixelCorner,
+                workspace_.ImagesPath(),
+                &evaluation_.maps[MapTypeName(type)]);
+  }
+
+  void MeasureMaps(const std::string& stage_name,
+                   const std::vector<std::string>& names,
+                   const DepthSource& source,
+                   const double offset,
+                   const std::string& image_path,
+                   MapEvaluation* maps) {
+    StageProgress stage(stage_name, progress_);
+    maps->depth =
+        EvaluateDepth(names, source, evaluation_.scale, truth_.get(), &stage);
+    StageProgress plane_stage(stage_name + ", planes", progress_);
+    maps->planes = EvaluatePlanes(
+        maps->depth, source, offset, image_path, *truth_, &plane_stage);
+  }
+
+  std::optional<PredictedDepth> ReadPrediction(const std::string& name,
+                                               const MapType type) const {
+    const auto camera = cameras_.find(name);
+    if (camera == cameras_.end() ||
+        !fs::exists(workspace_.DepthMapPath(name, type))) {
+      return std::nullopt;
+    }
+    StereoMaps maps = ReadDepthMap(workspace_.DepthMapPath(name, type));
+    return PredictedDepth{
+        camera->second,
+        cv::Mat1f(maps.height, maps.width, maps.depth.data()).clone()};
+  }
+
+  void EvaluateFusedCloud() {
+    if (!fs::exists(workspace_.FusedPath())) {
+      Note("The workspace has no fused.ply.");
+      return;
+    }
+    double metres_per_unit = evaluation_.scale.metres_per_unit;
+    if (metres_per_unit == 0 && !evaluation_.maps.empty()) {
+      metres_per_unit =
+          evaluation_.maps.begin()->second.depth.predictions_metres_per_unit;
+    }
+    if (metres_per_unit == 0) {
+      Note("The cloud was not evaluated, because its scale is not known.");
+      return;
+    }
+    StageProgress stage("Evaluating the cloud", progress_);
+    evaluation_.cloud = EvaluateCloud(workspace_.FusedPath(),
+                                      metres_per_unit,
+                                      evaluation_.options.cloud,
+                                      truth_.get(),
+                                      &stage);
+  }
+
+  void EvaluateImages() {
+    const HeldOutOptions& options = evaluation_.options.held_out;
+    if (!TrainedField::Exists(workspace_.Path())) {
+      if (!options.test_workspace_path.empty()) {
+        throw std::runtime_error("The workspace " + workspace_.Path() +
+                                 " has no trained field to render the views of "
+                                 "--test_workspace_path from.");
+      }
+      Note(
+          "Images were not evaluated, because the workspace has no trained "
+          "field.");
+      return;
+    }
+    StageProgress stage("Rendering held-out views", progress_);
+    const TrainedField field(workspace_.Path());
+    HeldOutEvaluation held_out =
+        EvaluateHeldOut(workspace_.Path(), field, options, &stage);
+    if (held_out.images.empty()) {
+      Note(
+          "Images were not evaluated, because training held out no view; pass "
+          "--StructNeRF.test_every to structnerf_dense, or "
+          "--test_workspace_path here.");
+      return;
+    }
+    if (options.lpips_path.empty()) {
+      Note(
+          "LPIPS was not measured, because --lpips_path was not given; its "
+          "weights are not part of this program.");
+    }
+    evaluation_.held_out = std::move(held_out);
+  }
+
+  void EvaluateHeldOutDepth() {
+    if (!evaluation_.held_out) {
+      return;
+    }
+    std::vector<std::string> names;
+    size_t num_skipped = 0;
+    for (const HeldOutImage& image : evaluation_.held_out->images) {
+      const auto& all = truth_->Names();
+      if (std::binary_search(all.begin(), all.end(), image.name)) {
+        names.push_back(image.name);
+      } else {
+        ++num_skipped;
+      }
+    }
+    if (num_skipped > 0) {
+      Note(std::to_string(num_skipped) +
+           " held-out images have no ground truth, or are not in the model of "
+           "--input_path that says how they were taken; their depth was left "
+           "out.");
+    }
+    if (names.empty()) {
+      return;
+    }
+    const auto source = [&](const std::string& name) {
+      return std::optional<PredictedDepth>(
+          evaluation_.held_out->depth.at(name));
+    };
+    MeasureMaps("Evaluating held-out depth",
+                names,
+                source,
+                kPixelCenter,
+                evaluation_.held_out->image_path,
+                &evaluation_.held_out_depth.emplace());
+  }
+
+  const DenseWorkspace workspace_;
+  const colmap::Reconstruction workspace_model_;
+  RunProgress* progress_;
+  std::unordered_map<std::string, colmap::Camera> cameras_;
+  colmap::Reconstruction original_model_;
+  std::unique_ptr<TruthViews> truth_;
+  Evaluation evaluation_;
+};
+
+}  // namespace
+
+void EvaluationOptions::Check() const {
+  if (workspace_path.empty()) {
+    throw std::runtime_error("The option --workspace_path is missing.");
+  }
+  if (!fs::is_directory(workspace_path)) {
+    throw std::runtime_error("The workspace folder " + workspace_path +
+                             " does not exist.");
+  }
+  if (input_path.empty() != image_path.empty()) {
+    throw std::runtime_error(
+        "The options --input_path and --image_path, the original model and "
+        "images that ground truth belongs to, go together.");
+  }
+  if (!truth.path.empty()) {
+    truth.Check();
+  }
+  cloud.Check();
+  for (const auto& [name, path] :
+       {std::pair("lpips_path", held_out.lpips_path),
+        std::pair("test_workspace_path", held_out.test_workspace_path)}) {
+    if (!path.empty() && !fs::exists(path)) {
+      throw std::runtime_error(path + " of --" + name + " does not exist.");
+    }
+  }
+}
+
+Evaluation Evaluate(const EvaluationOptions& options, RunProgress* progress) {
+  options.Check();
+  return Evaluator(options, progress).Run();
+}
+
+}  // namespace structnerf

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+
+namespace structnerf {
+
+// Appends what printf would print, at most 511 characters.
+void AppendF(std::string* text, const char* format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+// The same of one number.
+std::string FormatNumber(const char* format, double value);
+
+// Written beside and renamed. Throws std::runtime_error, naming the file, if
+// that fails.
+void WriteTextFile(const std::string& path, const std::string& text);
+
+}  // namespace structnerf
