@@ -214,7 +214,10 @@ const std::vector<Command>& Commands() {
        RunStructNerfDense},
       {"structnerf_eval",
        "Errors of a dense workspace against ground truth and held-out images",
-       RunStructNerfEval}};
+       RunStructNerfEval},
+      {"structnerf_tradeoff",
+       "Time against error of several settings on your scene",
+       RunStructNerfTradeoff}};
   return commands;
 }
 

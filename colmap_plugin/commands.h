@@ -23,6 +23,10 @@ int RunStructNerfDense(int argc, char** argv);
 // Depth, cloud and rendered images of a workspace against ground truth.
 int RunStructNerfEval(int argc, char** argv);
 
+// Runs the dense stage with several settings and compares time and error
+// (colmap_plugin/tradeoff).
+int RunStructNerfTradeoff(int argc, char** argv);
+
 // The stock program's help with that of these commands appended.
 int RunHelp(const std::vector<Command>& commands);
 

@@ -1,5 +1,7 @@
 #include "colmap_plugin/stock_colmap.h"
 
+#include "colmap_plugin/child_process.h"
+
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -8,11 +10,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
-
-extern char** environ;
 
 namespace structnerf {
 namespace {
@@ -87,21 +85,7 @@ int ExecStockColmap(char** argv) {
 }
 
 int RunStockColmap(const std::vector<std::string>& arguments) {
-  std::string path = FindStockColmap();
-  std::vector<std::string> strings = arguments;
-  std::vector<char*> argv = {path.data()};
-  for (std::string& argument : strings) {
-    argv.push_back(argument.data());
-  }
-  argv.push_back(nullptr);
-  pid_t pid = 0;
-  int status = 0;
-  if (posix_spawn(&pid, path.c_str(), nullptr, nullptr, argv.data(), environ) !=
-          0 ||
-      waitpid(pid, &status, 0) != pid || !WIFEXITED(status)) {
-    return -1;
-  }
-  return WEXITSTATUS(status);
+  return RunChildProcess(FindStockColmap(), arguments, /*keep_output=*/true);
 }
 
 }  // namespace structnerf

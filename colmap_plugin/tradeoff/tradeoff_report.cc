@@ -1,0 +1,179 @@
+#include "colmap_plugin/tradeoff/tradeoff_report.h"
+
+#include "colmap_plugin/evaluation/html_page.h"
+#include "colmap_plugin/evaluation/map_pictures.h"
+#include "colmap_plugin/memory_budget.h"
+#include "colmap_plugin/terminal_progress.h"
+#include "colmap_plugin/text_output.h"
+#include "colmap_plugin/tradeoff/tradeoff_plot.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <stdexcept>
+
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+namespace structnerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+using nlohmann::json;
+
+std::string ErrorName(const TradeoffScene& scene) {
+  return scene.truth.path.empty()
+             ? "pixels that other views do not confirm, %"
+             : "pixels without depth or more than 5 cm off, %";
+}
+
+std::string ErrorText(const TradeoffScene& scene) {
+  return scene.truth.path.empty()
+             ? "There was no ground truth. The error is the share of pixels "
+               "whose depth other views do not confirm: what is wrong in the "
+               "same way in all views is not seen by it."
+             : "The error is measured against ground truth: the share of "
+               "pixels that have truth and no depth, or one that is more than "
+               "5 cm off in the scale of structure-from-motion.";
+}
+
+double MeanCpuSeconds(const MeasuredSetting& setting) {
+  double sum = 0;
+  for (const TradeoffMeasurement& measurement : setting.measurements) {
+    sum += measurement.cpu_seconds;
+  }
+  return sum / static_cast<double>(setting.measurements.size());
+}
+
+size_t PeakBytes(const MeasuredSetting& setting) {
+  size_t peak = 0;
+  for (const TradeoffMeasurement& measurement : setting.measurements) {
+    peak = std::max(peak, measurement.peak_bytes);
+  }
+  return peak;
+}
+
+std::string TradeoffJson(const TradeoffScene& scene,
+                         const std::vector<MeasuredSetting>& settings,
+                         const std::vector<bool>& is_on_front,
+                         const std::string& advice) {
+  json object = {{"schema_version", 1},
+                 {"images", scene.image_path},
+                 {"model", scene.input_path},
+                 {"truth", scene.truth.path},
+                 {"error", ErrorName(scene)},
+                 {"advice", advice},
+                 {"settings", json::array()}};
+  for (size_t i = 0; i < settings.size(); ++i) {
+    json runs = json::array();
+    for (const TradeoffMeasurement& measurement : settings[i].measurements) {
+      runs.push_back({{"seconds", measurement.seconds},
+                      {"cpu_seconds", measurement.cpu_seconds},
+                      {"peak_bytes", measurement.peak_bytes},
+                      {"error", measurement.error},
+                      {"held_out_psnr", measurement.held_out_psnr}});
+    }
+    object["settings"].push_back({{"name", settings[i].setting.name},
+                                  {"is_on_front", is_on_front[i] == true},
+                                  {"runs", runs}});
+  }
+  return object.dump(2) + "\n";
+}
+
+std::string TradeoffHtml(const TradeoffScene& scene,
+                         const std::vector<MeasuredSetting>& settings,
+                         const std::vector<TradeoffPoint>& points,
+                         const std::vector<bool>& is_on_front,
+                         const std::string& advice,
+                         const cv::Mat3b& plot) {
+  HtmlPage page("Speed against accuracy");
+  page.AddParagraph(advice);
+  page.AddParagraph(ErrorText(scene));
+  page.AddMarkup(
+      "<p><img style=\"max-width:100%\" alt=\"Plot of time "
+      "against error\" src=\"" +
+      PngDataUri(plot) + "\"></p>\n");
+  page.AddParagraph(
+      "Blue: the settings that no other one beats in both time and error. "
+      "Bars: from the best to the worst seed.");
+  std::vector<std::vector<std::string>> rows = {{"setting",
+                                                 "wall time",
+                                                 "CPU s",
+                                                 "memory GB",
+                                                 "error % (range of seeds)",
+                                                 "held-out PSNR dB",
+                                                 "seeds",
+                                                 "on the front"}};
+  std::vector<HtmlPicture> pictures;
+  for (size_t i = 0; i < settings.size(); ++i) {
+    const TradeoffMeasurement& first = settings[i].measurements[0];
+    rows.push_back(
+        {points[i].name,
+         DurationText(points[i].seconds),
+         FormatNumber("%.1f", MeanCpuSeconds(settings[i])),
+         FormatNumber(
+             "%.2f", static_cast<double>(PeakBytes(settings[i])) / kBytesPerGb),
+         FormatNumber("%.1f", 100 * points[i].error) + " (" +
+             FormatNumber("%.1f", 100 * points[i].min_error) + " to " +
+             FormatNumber("%.1f", 100 * points[i].max_error) + ")",
+         first.held_out_psnr < 0 ? "-"
+                                 : FormatNumber("%.2f", first.held_out_psnr),
+         std::to_string(settings[i].measurements.size()),
+         is_on_front[i] ? "yes" : "no"});
+    const cv::Mat3b picture =
+        cv::imread(TradeoffPicturePath(scene, settings[i].setting, /*seed=*/0));
+    if (!picture.empty()) {
+      pictures.push_back({points[i].name,
+                          "Depth map with " + points[i].name,
+                          PngDataUri(picture)});
+    }
+  }
+  page.AddTable(rows);
+  page.AddHeading("One view");
+  page.AddParagraph(
+      "Depth from near (dark) to far (bright); grey where there is none.");
+  page.AddPictures(pictures);
+  return page.Finish();
+}
+
+}  // namespace
+
+TradeoffPoint MeasuredSetting::Point() const {
+  TradeoffPoint point;
+  point.name = setting.name;
+  point.min_error = 1;
+  for (const TradeoffMeasurement& measurement : measurements) {
+    point.seconds += measurement.seconds;
+    point.error += measurement.error;
+    point.min_error = std::min(point.min_error, measurement.error);
+    point.max_error = std::max(point.max_error, measurement.error);
+  }
+  point.seconds /= static_cast<double>(measurements.size());
+  point.error /= static_cast<double>(measurements.size());
+  return point;
+}
+
+std::string WriteTradeoffReport(const TradeoffScene& scene,
+                                const std::vector<MeasuredSetting>& settings) {
+  std::vector<TradeoffPoint> points;
+  for (const MeasuredSetting& setting : settings) {
+    points.push_back(setting.Point());
+  }
+  const std::vector<bool> is_on_front = FindParetoFront(points);
+  const std::string advice = TradeoffAdvice(points);
+  const cv::Mat3b plot = PlotTradeoff(points, ErrorName(scene));
+  const fs::path folder(scene.output_path);
+  const std::string plot_path = (folder / "tradeoff.png").string();
+  if (!cv::imwrite(plot_path, plot)) {
+    throw std::runtime_error("The file " + plot_path +
+                             " cannot be written; is the disk full?");
+  }
+  WriteTextFile((folder / "tradeoff.json").string(),
+                TradeoffJson(scene, settings, is_on_front, advice));
+  WriteTextFile(
+      (folder / "tradeoff.html").string(),
+      TradeoffHtml(scene, settings, points, is_on_front, advice, plot));
+  return advice;
+}
+
+}  // namespace structnerf

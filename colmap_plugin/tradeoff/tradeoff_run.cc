@@ -1,0 +1,196 @@
+#include "colmap_plugin/tradeoff/tradeoff_run.h"
+
+#include "colmap_plugin/child_process.h"
+#include "colmap_plugin/dense_workspace.h"
+#include "colmap_plugin/evaluation/evaluator.h"
+#include "colmap_plugin/evaluation/map_pictures.h"
+#include "colmap_plugin/evaluation/workspace_maps.h"
+#include "colmap_plugin/text_output.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+namespace structnerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+using nlohmann::json;
+
+// Of kErrorThresholds: 5 cm.
+constexpr size_t kThresholdIdx = 1;
+
+// Shares of the depths of a picture that are nearer and farther than its scale.
+constexpr double kClippedShare = 0.02;
+
+fs::path RunFolder(const TradeoffScene& scene,
+                   const TradeoffSetting& setting,
+                   const int seed) {
+  return fs::path(scene.output_path) / "runs" / setting.FolderName() /
+         ("seed" + std::to_string(seed));
+}
+
+json ReadJson(const fs::path& path) {
+  std::ifstream file(path);
+  try {
+    return json::parse(file);
+  } catch (const json::exception& error) {
+    throw std::runtime_error("The file " + path.string() +
+                             " cannot be understood (" + error.what() +
+                             "); remove it to measure anew.");
+  }
+}
+
+// What a measurement belongs to.
+json DescribeMeasurement(const TradeoffScene& scene,
+                         const TradeoffSetting& setting) {
+  return {{"images", fs::absolute(scene.image_path).string()},
+          {"model", fs::absolute(scene.input_path).string()},
+          {"masks", scene.mask_path},
+          {"truth", scene.truth.path},
+          {"truth_scale", scene.truth.scale},
+          {"setting", setting.name}};
+}
+
+double ErrorAgainstTruth(const TradeoffScene& scene,
+                         const std::string& workspace_path) {
+  EvaluationOptions options;
+  options.workspace_path = workspace_path;
+  options.image_path = scene.image_path;
+  options.input_path = scene.input_path;
+  options.truth = scene.truth;
+  RunProgress silent;
+  const Evaluation evaluation = Evaluate(options, &silent);
+  const auto maps = evaluation.maps.find("photometric");
+  if (maps == evaluation.maps.end() || !maps->second.depth.in_sfm_scale) {
+    throw std::runtime_error(
+        "The scale of the model is not known: no sparse "
+        "point has ground truth in " +
+        scene.truth.path + ".");
+  }
+  return 1 - maps->second.depth.in_sfm_scale->all.within[kThresholdIdx];
+}
+
+void WritePicture(const std::string& workspace_path, const std::string& path) {
+  const WorkspaceMaps maps(workspace_path, MapType::kPhotometric);
+  const cv::Mat1f depth =
+      maps.Depth(maps.Views()[maps.Views().size() / 2].name);
+  std::vector<float> values;
+  for (const float value : depth) {
+    if (value > 0) {
+      values.push_back(value);
+    }
+  }
+  std::sort(values.begin(), values.end());
+  const auto quantile = [&](const double share) {
+    return values.empty()
+               ? 1.0f
+               : values[static_cast<size_t>(share * (values.size() - 1))];
+  };
+  cv::imwrite(path,
+              DepthPicture(
+                  depth, quantile(kClippedShare), quantile(1 - kClippedShare)));
+}
+
+void Run(const TradeoffScene& scene,
+         const TradeoffSetting& setting,
+         const int seed,
+         const std::string& workspace_path) {
+  std::vector<std::string> arguments = {
+      "structnerf_dense",
+      "--image_path",
+      scene.image_path,
+      "--input_path",
+      scene.input_path,
+      "--output_path",
+      workspace_path,
+      "--StructNeRF.seed=" + std::to_string(seed)};
+  if (!scene.mask_path.empty()) {
+    arguments.insert(arguments.end(), {"--mask_path", scene.mask_path});
+  }
+  arguments.insert(
+      arguments.end(), setting.arguments.begin(), setting.arguments.end());
+  if (RunChildProcess("/proc/self/exe", arguments, /*keep_output=*/false) !=
+      0) {
+    throw std::runtime_error("The run with " + setting.name +
+                             " did not end well; what was measured before is "
+                             "kept, and the same command goes on from there.");
+  }
+}
+
+}  // namespace
+
+TradeoffMeasurement MeasureSetting(const TradeoffScene& scene,
+                                   const TradeoffSetting& setting,
+                                   const int seed) {
+  const fs::path folder = RunFolder(scene, setting, seed);
+  const fs::path path = folder / "measurement.json";
+  const json description = DescribeMeasurement(scene, setting);
+  TradeoffMeasurement measurement;
+  if (fs::exists(path)) {
+    const json old = ReadJson(path);
+    if (old.at("of") != description) {
+      throw std::runtime_error(
+          "The output folder " + scene.output_path +
+          " holds measurements of another scene; choose another one.");
+    }
+    measurement.seconds = old.at("seconds");
+    measurement.cpu_seconds = old.at("cpu_seconds");
+    measurement.peak_bytes = old.at("peak_bytes");
+    measurement.error = old.at("error");
+    measurement.held_out_psnr = old.at("held_out_psnr");
+    return measurement;
+  }
+
+  const std::string workspace_path = (folder / "workspace").string();
+  const fs::path report_path =
+      fs::path(DenseWorkspace(workspace_path).ReportFolder()) / "report.json";
+  if (!fs::exists(report_path)) {
+    Run(scene, setting, seed, workspace_path);
+  }
+  const json report = ReadJson(report_path);
+  if (report.at("training").at("stopped_early")) {
+    fs::remove_all(workspace_path);
+    throw std::runtime_error(
+        "Quit before the end; the same command goes on from what was "
+        "measured.");
+  }
+  measurement.seconds = report.at("seconds");
+  measurement.cpu_seconds = report.at("cpu_seconds");
+  measurement.peak_bytes = report.at("memory").at("peak_bytes");
+  measurement.held_out_psnr =
+      report.at("training").at("held_out_psnr").is_number()
+          ? report.at("training").at("held_out_psnr").get<double>()
+          : -1;
+  const json& maps = report.at("maps");
+  measurement.error = scene.truth.path.empty()
+                          ? 1 - maps.at("geometric_pixels").get<double>() /
+                                    maps.at("pixels").get<double>()
+                          : ErrorAgainstTruth(scene, workspace_path);
+  WritePicture(workspace_path, TradeoffPicturePath(scene, setting, seed));
+  WriteTextFile(path.string(),
+                json{{"of", description},
+                     {"seconds", measurement.seconds},
+                     {"cpu_seconds", measurement.cpu_seconds},
+                     {"peak_bytes", measurement.peak_bytes},
+                     {"error", measurement.error},
+                     {"held_out_psnr", measurement.held_out_psnr}}
+                        .dump(2) +
+                    "\n");
+  fs::remove_all(workspace_path);
+  return measurement;
+}
+
+std::string TradeoffPicturePath(const TradeoffScene& scene,
+                                const TradeoffSetting& setting,
+                                const int seed) {
+  return (RunFolder(scene, setting, seed) / "depth.png").string();
+}
+
+}  // namespace structnerf

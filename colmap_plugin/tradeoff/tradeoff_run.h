@@ -1,0 +1,46 @@
+#pragma once
+
+#include "colmap_plugin/evaluation/depth_truth.h"
+#include "colmap_plugin/tradeoff/tradeoff_settings.h"
+
+#include <string>
+
+namespace structnerf {
+
+// The scene that settings are tried on, and where.
+struct TradeoffScene {
+  std::string image_path;
+  std::string input_path;
+  std::string mask_path;    // empty = none
+  std::string output_path;  // for everything that is written
+  DepthTruthOptions truth;  // `path` empty = none
+};
+
+// What one run took and gave.
+struct TradeoffMeasurement {
+  double seconds = 0;      // wall time of all stages
+  double cpu_seconds = 0;  // of all threads
+  size_t peak_bytes = 0;
+
+  // Share of the pixels that are wrong. With truth: of the pixels that have it,
+  // in the scale of structure-from-motion; those without a depth or farther off
+  // than 5 cm. Else: of all pixels, those whose depth other views do not
+  // confirm.
+  double error = 0;
+
+  double held_out_psnr = -1;  // dB; -1 = none
+};
+
+// Runs the dense stage as a process of its own with a seed and measures it. The
+// measurement, and a picture of one depth map (TradeoffPicturePath), stay in
+// the output folder; the workspace is removed. What has been measured before is
+// read instead. Throws std::runtime_error if the run fails or is interrupted.
+TradeoffMeasurement MeasureSetting(const TradeoffScene& scene,
+                                   const TradeoffSetting& setting,
+                                   int seed);
+
+std::string TradeoffPicturePath(const TradeoffScene& scene,
+                                const TradeoffSetting& setting,
+                                int seed);
+
+}  // namespace structnerf

@@ -1,0 +1,94 @@
+// structnerf_tradeoff on a tiny scene.
+
+#include "tests/colmap_plugin/tiny_model.h"
+#include "tests/end_to_end/run_program.h"
+#include "tests/support/temp_dir.h"
+
+#include <filesystem>
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace structnerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+using testing::HasSubstr;
+
+class TradeoffTest : public testing::Test {
+ protected:
+  TradeoffTest() {
+    TinyModel model = MakeTinyModel(3);
+    model.WriteImages(temp_dir_ / "images");
+    model.WriteModel(temp_dir_ / "sparse");
+  }
+
+  ProgramResult Run(const std::string& settings) const {
+    return RunProgram({"structnerf_tradeoff",
+                       "--image_path",
+                       temp_dir_ / "images",
+                       "--input_path",
+                       temp_dir_ / "sparse",
+                       "--output_path",
+                       temp_dir_ / "tradeoff",
+                       "--num_seeds=2",
+                       "--settings",
+                       settings});
+  }
+
+  TempDir temp_dir_;
+};
+
+TEST_F(TradeoffTest, MeasuresEverySettingOnce) {
+  const std::string settings =
+      "quality=low num_steps=20, quality=low num_steps=60";
+  const ProgramResult result = Run(settings);
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  EXPECT_THAT(result.out, HasSubstr("num_steps=60, seed 1: "));
+  EXPECT_THAT(result.out, HasSubstr("Take quality=low num_steps="));
+  const auto object = nlohmann::json::parse(
+      std::ifstream(temp_dir_ / "tradeoff/tradeoff.json"));
+  ASSERT_EQ(object["settings"].size(), 2u);
+  for (const auto& setting : object["settings"]) {
+    ASSERT_EQ(setting["runs"].size(), 2u);
+    for (const auto& run : setting["runs"]) {
+      EXPECT_GT(run["seconds"], 0);
+      EXPECT_GT(run["peak_bytes"], 1 << 20);
+      EXPECT_GE(run["error"], 0);
+      EXPECT_LE(run["error"], 1);
+    }
+  }
+  // Only what was measured stays.
+  const fs::path run = temp_dir_ / "tradeoff/runs/quality=low+num_steps=20";
+  EXPECT_TRUE(fs::exists(run / "seed1/measurement.json"));
+  EXPECT_TRUE(fs::exists(run / "seed1/depth.png"));
+  EXPECT_FALSE(fs::exists(run / "seed1/workspace"));
+
+  // The same command again only reads.
+  const auto before = ReadFolder(temp_dir_ / "tradeoff/runs");
+  ASSERT_EQ(Run(settings).exit_code, 0);
+  EXPECT_EQ(ReadFolder(temp_dir_ / "tradeoff/runs"), before);
+}
+
+TEST_F(TradeoffTest, ARunThatFailsIsNamed) {
+  const ProgramResult result = Run("quality=low num_steps=20, quality=best");
+  EXPECT_NE(result.exit_code, 0);
+  EXPECT_THAT(result.error, HasSubstr("quality must be low"));
+  EXPECT_THAT(result.error, HasSubstr("The run with quality=best"));
+  EXPECT_TRUE(fs::exists(
+      temp_dir_ /
+      "tradeoff/runs/quality=low+num_steps=20/seed0/measurement.json"));
+}
+
+TEST_F(TradeoffTest, MissingPathsAndTruthAreNamed) {
+  const ProgramResult result =
+      RunProgram({"structnerf_tradeoff", "--image_path", temp_dir_ / "images"});
+  EXPECT_NE(result.exit_code, 0);
+  EXPECT_THAT(result.error, HasSubstr("--input_path is missing"));
+}
+
+}  // namespace
+}  // namespace structnerf
