@@ -1,9 +1,9 @@
 #include "colmap_plugin/command_runner.h"
 
 #include "colmap_plugin/colmap_compat.h"
-#include "nerf/util/interrupts.h"
 #include "colmap_plugin/log_level.h"
 #include "colmap_plugin/terminal_progress.h"
+#include "nerf/util/interrupts.h"
 
 #include <cstdlib>
 #include <iostream>

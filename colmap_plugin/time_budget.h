@@ -19,8 +19,8 @@ class TimeBudget {
   // Seconds that training may take now so that what comes after it fits, too.
   // `estimate` is of the whole run, `slowness` how much longer than estimated
   // this machine takes. Never less than a quarter of the whole training or of
-  // the time given: maps of a hardly trained field are worth nothing. `note` then says what time the run
-  // needs; empty otherwise.
+  // the time given: maps of a hardly trained field are worth nothing. `note`
+  // then says what time the run needs; empty otherwise.
   double TrainingSeconds(const TimeEstimate& estimate,
                          double slowness,
                          std::string* note) const;
