@@ -1,15 +1,14 @@
 #include "colmap_plugin/evaluation/evaluator.h"
 
-#include "colmap_plugin/colmap_compat.h"
 #include "colmap_plugin/dense_workspace.h"
 #include "colmap_plugin/evaluation/pixel_lookup.h"
+#include "colmap_plugin/evaluation/workspace_maps.h"
 #include "colmap_plugin/input_check.h"
 
 #include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <stdexcept>
-#include <unordered_map>
 
 namespace structnerf {
 namespace {
@@ -24,11 +23,6 @@ class Evaluator {
         workspace_model_(ReadModel(workspace_.SparsePath())),
         progress_(progress) {
     evaluation_.options = options;
-    for (const colmap::image_t image_id :
-         RegisteredImageIds(workspace_model_)) {
-      const colmap::Image& image = workspace_model_.Image(image_id);
-      cameras_.emplace(image.Name(), workspace_model_.Camera(image.CameraId()));
-    }
   }
 
   Evaluation Run() {
@@ -93,17 +87,14 @@ class Evaluator {
   }
 
   void EvaluateMaps(const MapType type) {
-    const auto source = [&](const std::string& name) {
-      return ReadPrediction(name, type);
-    };
-    const bool has_maps =
-        std::any_of(cameras_.begin(), cameras_.end(), [&](const auto& entry) {
-          return fs::exists(workspace_.DepthMapPath(entry.first, type));
-        });
-    if (!has_maps) {
+    const WorkspaceMaps maps(workspace_, workspace_model_, type);
+    if (!maps.HasAny()) {
       Note("The workspace has no " + MapTypeName(type) + " depth maps.");
       return;
     }
+    const auto source = [&](const std::string& name) {
+      return maps.Find(name);
+    };
     MeasureMaps("Evaluating " + MapTypeName(type) + " maps",
                 truth_->Names(),
                 source,
@@ -124,19 +115,6 @@ class Evaluator {
     StageProgress plane_stage(stage_name + ", planes", progress_);
     maps->planes = EvaluatePlanes(
         maps->depth, source, offset, image_path, *truth_, &plane_stage);
-  }
-
-  std::optional<PredictedDepth> ReadPrediction(const std::string& name,
-                                               const MapType type) const {
-    const auto camera = cameras_.find(name);
-    if (camera == cameras_.end() ||
-        !fs::exists(workspace_.DepthMapPath(name, type))) {
-      return std::nullopt;
-    }
-    StereoMaps maps = ReadDepthMap(workspace_.DepthMapPath(name, type));
-    return PredictedDepth{
-        camera->second,
-        cv::Mat1f(maps.height, maps.width, maps.depth.data()).clone()};
   }
 
   void EvaluateFusedCloud() {
@@ -231,7 +209,6 @@ class Evaluator {
   const DenseWorkspace workspace_;
   const colmap::Reconstruction workspace_model_;
   RunProgress* progress_;
-  std::unordered_map<std::string, colmap::Camera> cameras_;
   colmap::Reconstruction original_model_;
   std::unique_ptr<TruthViews> truth_;
   Evaluation evaluation_;

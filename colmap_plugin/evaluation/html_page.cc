@@ -18,11 +18,6 @@ figure { margin: 0; }
 figcaption { font-size: .85rem; }
 img, svg { display: block; max-width: 100%; height: auto; }
 .pictures img { width: 100%; }
-.legend { display: flex; flex-wrap: wrap; gap: .5rem 2rem; padding: .5rem 0;
-          position: sticky; top: 0; background: Canvas; font-size: .85rem; }
-.scale { display: grid; grid-template-columns: auto 10rem auto; gap: .4rem;
-         align-items: center; }
-.scale img { width: 100%; height: .9rem; }
 </style>
 )";
 
@@ -65,21 +60,6 @@ void HtmlPage::AddPictures(const std::vector<HtmlPicture>& pictures) {
              EscapeHtml(picture.alternative) + "\" src=\"" + picture.data_uri +
              "\"><figcaption>" + EscapeHtml(picture.caption) +
              "</figcaption></figure>\n";
-  }
-  body_ += "</div>\n";
-}
-
-void HtmlPage::AddLegend(const std::vector<HtmlScale>& scales,
-                         const std::vector<std::string>& remarks) {
-  body_ += "<div class=\"legend\">\n";
-  for (const HtmlScale& scale : scales) {
-    body_ += "<div class=\"scale\"><span>" +
-             EscapeHtml(scale.name + " " + scale.low) +
-             "</span><img alt=\"\" src=\"" + scale.data_uri + "\"><span>" +
-             EscapeHtml(scale.high) + "</span></div>\n";
-  }
-  for (const std::string& remark : remarks) {
-    body_ += "<div>" + EscapeHtml(remark) + "</div>\n";
   }
   body_ += "</div>\n";
 }

@@ -11,14 +11,6 @@ struct HtmlPicture {
   std::string data_uri;     // see map_pictures.h
 };
 
-// A colour scale and what its ends stand for.
-struct HtmlScale {
-  std::string name;
-  std::string low;
-  std::string high;
-  std::string data_uri;
-};
-
 // One page that needs no other file. Texts may hold any character; they are
 // shown as they are.
 class HtmlPage {
@@ -33,10 +25,6 @@ class HtmlPage {
 
   // Side by side as many as fit.
   void AddPictures(const std::vector<HtmlPicture>& pictures);
-
-  // Stays in sight while one scrolls.
-  void AddLegend(const std::vector<HtmlScale>& scales,
-                 const std::vector<std::string>& remarks);
 
   // Something of one's own, e.g. <svg>, taken as it is.
   void AddMarkup(const std::string& markup) { body_ += markup; }

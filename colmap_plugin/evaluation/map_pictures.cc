@@ -13,47 +13,9 @@ namespace structnerf {
 namespace {
 
 const cv::Vec3b kNoValueColor(128, 128, 128);
-constexpr int kJpegQuality = 90;
 
 uint8_t Level(const double share) {
   return static_cast<uint8_t>(std::lround(255 * std::clamp(share, 0.0, 1.0)));
-}
-
-template <typename HasValue>
-cv::Mat3b Picture(const cv::Mat1f& values,
-                  const double lowest,
-                  const double highest,
-                  const int color_map,
-                  HasValue has_value) {
-  const double range = highest > lowest ? highest - lowest : 1.0;
-  cv::Mat1b levels(values.size());
-  for (int row = 0; row < values.rows; ++row) {
-    for (int col = 0; col < values.cols; ++col) {
-      const double value = values(row, col);
-      levels(row, col) =
-          has_value(value) ? Level((value - lowest) / range) : uint8_t{0};
-    }
-  }
-  cv::Mat3b picture;
-  cv::applyColorMap(levels, picture, color_map);
-  for (int row = 0; row < values.rows; ++row) {
-    for (int col = 0; col < values.cols; ++col) {
-      if (!has_value(values(row, col))) {
-        picture(row, col) = kNoValueColor;
-      }
-    }
-  }
-  return picture;
-}
-
-cv::Mat3b ScaleBar(const int color_map) {
-  cv::Mat1b levels(1, 256);
-  for (int i = 0; i < 256; ++i) {
-    levels(0, i) = static_cast<uint8_t>(i);
-  }
-  cv::Mat3b bar;
-  cv::applyColorMap(levels, bar, color_map);
-  return bar;
 }
 
 std::string Base64(const std::vector<uint8_t>& data) {
@@ -65,72 +27,32 @@ std::string Base64(const std::vector<uint8_t>& data) {
   return text;
 }
 
-std::string DataUri(const cv::Mat3b& picture,
-                    const std::string& format,
-                    const std::vector<int>& parameters) {
-  std::vector<uint8_t> data;
-  if (!cv::imencode("." + format, picture, data, parameters)) {
-    throw std::runtime_error("A picture could not be encoded.");
-  }
-  return "data:image/" + format + ";base64," + Base64(data);
-}
-
 }  // namespace
 
 cv::Mat3b DepthPicture(const cv::Mat1f& depth,
                        const double nearest,
                        const double farthest) {
-  return Picture(
-      depth, nearest, farthest, cv::COLORMAP_VIRIDIS, [](const double value) {
-        return value > 0;
-      });
-}
-
-cv::Mat3b ErrorPicture(const cv::Mat1f& error, const double largest) {
-  return Picture(
-      error, 0, largest, cv::COLORMAP_CIVIDIS, [](const double value) {
-        return value >= 0;
-      });
-}
-
-cv::Mat3b NormalPicture(const std::vector<float>& normal,
-                        const int width,
-                        const int height) {
-  const size_t num_pixels = static_cast<size_t>(width) * height;
-  cv::Mat3b picture(height, width);
-  for (size_t i = 0; i < num_pixels; ++i) {
-    const float x = normal[i];
-    const float y = normal[num_pixels + i];
-    const float z = normal[2 * num_pixels + i];
-    cv::Vec3b& pixel =
-        picture(static_cast<int>(i / width), static_cast<int>(i % width));
-    pixel = x == 0 && y == 0 && z == 0 ? kNoValueColor
-                                       : cv::Vec3b(Level(0.5 - 0.5 * z),
-                                                   Level(0.5 - 0.5 * y),
-                                                   Level(0.5 + 0.5 * x));
+  const double range = farthest > nearest ? farthest - nearest : 1.0;
+  cv::Mat1b levels(depth.size());
+  for (int row = 0; row < depth.rows; ++row) {
+    for (int col = 0; col < depth.cols; ++col) {
+      const float value = depth(row, col);
+      levels(row, col) =
+          value > 0 ? Level((value - nearest) / range) : uint8_t{0};
+    }
   }
+  cv::Mat3b picture;
+  cv::applyColorMap(levels, picture, cv::COLORMAP_VIRIDIS);
+  picture.setTo(kNoValueColor, ~(depth > 0));
   return picture;
 }
 
-cv::Mat3b DepthScaleBar() { return ScaleBar(cv::COLORMAP_VIRIDIS); }
-
-cv::Mat3b ErrorScaleBar() { return ScaleBar(cv::COLORMAP_CIVIDIS); }
-
 std::string PngDataUri(const cv::Mat3b& picture) {
-  return DataUri(picture, "png", {});
-}
-
-std::string JpegDataUri(const cv::Mat3b& picture, const int max_size) {
-  cv::Mat3b reduced = picture;
-  const double scale =
-      static_cast<double>(max_size) / std::max(picture.cols, picture.rows);
-  if (scale < 1) {
-    const cv::Size size(
-        std::max(1, static_cast<int>(std::lround(scale * picture.cols))),
-        std::max(1, static_cast<int>(std::lround(scale * picture.rows))));
-    cv::resize(picture, reduced, size, 0, 0, cv::INTER_AREA);
+  std::vector<uint8_t> data;
+  if (!cv::imencode(".png", picture, data)) {
+    throw std::runtime_error("A picture could not be encoded.");
   }
-  return DataUri(reduced, "jpeg", {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
+  return "data:image/png;base64," + Base64(data);
 }
 
 }  // namespace structnerf

@@ -2,9 +2,9 @@
 
 #include "colmap_plugin/child_process.h"
 #include "colmap_plugin/dense_workspace.h"
-#include "colmap_plugin/evaluation/evaluator.h"
 #include "colmap_plugin/evaluation/map_pictures.h"
 #include "colmap_plugin/evaluation/workspace_maps.h"
+#include "colmap_plugin/input_check.h"
 #include "colmap_plugin/text_output.h"
 
 #include <algorithm>
@@ -58,29 +58,27 @@ json DescribeMeasurement(const TradeoffScene& scene,
           {"setting", setting.name}};
 }
 
+// Of these maps alone: the rest of an evaluation takes longer and is not
+// needed.
 double ErrorAgainstTruth(const TradeoffScene& scene,
-                         const std::string& workspace_path) {
-  EvaluationOptions options;
-  options.workspace_path = workspace_path;
-  options.image_path = scene.image_path;
-  options.input_path = scene.input_path;
-  options.truth = scene.truth;
-  RunProgress silent;
-  const Evaluation evaluation = Evaluate(options, &silent);
-  const auto maps = evaluation.maps.find("photometric");
-  if (maps == evaluation.maps.end() || !maps->second.depth.in_sfm_scale) {
+                         const WorkspaceMaps& maps) {
+  const colmap::Reconstruction model = ReadModel(scene.input_path);
+  TruthViews truth(model, scene.image_path, scene.truth);
+  const SceneScale scale = truth.EstimateScale();
+  if (scale.num_observations == 0) {
     throw std::runtime_error(
         "The scale of the model is not known: no sparse "
         "point has ground truth in " +
         scene.truth.path + ".");
   }
-  return 1 - maps->second.depth.in_sfm_scale->all.within[kThresholdIdx];
+  const auto source = [&](const std::string& name) { return maps.Find(name); };
+  Progress silent;
+  StageProgress stage("Evaluating maps", &silent);
+  return 1 - EvaluateDepth(truth.Names(), source, scale, &truth, &stage)
+                 .in_sfm_scale->all.within[kThresholdIdx];
 }
 
-void WritePicture(const std::string& workspace_path, const std::string& path) {
-  const WorkspaceMaps maps(workspace_path, MapType::kPhotometric);
-  const cv::Mat1f depth =
-      maps.Depth(maps.Views()[maps.Views().size() / 2].name);
+void WritePicture(const cv::Mat1f& depth, const std::string& path) {
   std::vector<float> values;
   for (const float value : depth) {
     if (value > 0) {
@@ -168,12 +166,17 @@ TradeoffMeasurement MeasureSetting(const TradeoffScene& scene,
       report.at("training").at("held_out_psnr").is_number()
           ? report.at("training").at("held_out_psnr").get<double>()
           : -1;
-  const json& maps = report.at("maps");
+  const DenseWorkspace workspace(workspace_path);
+  const colmap::Reconstruction model = ReadModel(workspace.SparsePath());
+  const WorkspaceMaps maps(workspace, model, MapType::kPhotometric);
+  const json& counts = report.at("maps");
   measurement.error = scene.truth.path.empty()
-                          ? 1 - maps.at("geometric_pixels").get<double>() /
-                                    maps.at("pixels").get<double>()
-                          : ErrorAgainstTruth(scene, workspace_path);
-  WritePicture(workspace_path, TradeoffPicturePath(scene, setting, seed));
+                          ? 1 - counts.at("geometric_pixels").get<double>() /
+                                    counts.at("pixels").get<double>()
+                          : ErrorAgainstTruth(scene, maps);
+  const std::vector<std::string> names = ImageNames(model);
+  WritePicture(maps.Find(names[names.size() / 2]).value().depth,
+               TradeoffPicturePath(scene, setting, seed));
   WriteTextFile(path.string(),
                 json{{"of", description},
                      {"seconds", measurement.seconds},
