@@ -32,6 +32,17 @@ bool ParseArguments(std::vector<std::string> args,
   return ParseOptions(static_cast<int>(argv.size()), argv.data(), manager);
 }
 
+void RequireOptions(
+    const std::vector<std::pair<std::string, std::string>>& options,
+    const std::string& what_to_give) {
+  for (const auto& [name, value] : options) {
+    if (value.empty()) {
+      throw std::runtime_error("The option --" + name + " is missing; give " +
+                               what_to_give + ".");
+    }
+  }
+}
+
 int RunReportingErrors(const std::function<int()>& command) {
   try {
     return command();

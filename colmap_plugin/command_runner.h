@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <colmap/controllers/option_manager.h>
@@ -14,6 +15,12 @@ namespace structnerf {
 // of. Returns false if the command line is wrong, which has been said then.
 bool ParseArguments(std::vector<std::string> args,
                     colmap::OptionManager* manager);
+
+// Throws std::runtime_error about the first option of these (name, value) that
+// was not given, and says what to give.
+void RequireOptions(
+    const std::vector<std::pair<std::string, std::string>>& options,
+    const std::string& what_to_give);
 
 // Runs a command to its end: what it throws becomes one line on standard error
 // and EXIT_FAILURE.

@@ -61,17 +61,11 @@ void CheckPaths(const DenseCommand& command) {
     }
     return;
   }
-  for (const auto& [name, value] :
-       {std::pair("image_path", options.image_path),
-        std::pair("input_path", command.input_path),
-        std::pair("output_path", options.output_path)}) {
-    if (value.empty()) {
-      throw std::runtime_error(
-          std::string("The option --") + name +
-          " is missing; give --image_path, --input_path and --output_path, or "
-          "--workspace_path.");
-    }
-  }
+  RequireOptions({{"image_path", options.image_path},
+                  {"input_path", command.input_path},
+                  {"output_path", options.output_path}},
+                 "--image_path, --input_path and --output_path, or "
+                 "--workspace_path");
   const std::string sparse_path =
       DenseWorkspace(options.output_path).SparsePath();
   if (fs::exists(sparse_path) && fs::exists(command.input_path) &&

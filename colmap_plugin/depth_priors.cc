@@ -1,6 +1,7 @@
 #include "colmap_plugin/depth_priors.h"
 
 #include "colmap_plugin/dense_workspace.h"
+#include "colmap_plugin/text_output.h"
 #include "nerf/prior_module.h"
 
 #include <algorithm>
@@ -13,10 +14,6 @@ namespace structnerf {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string SizeText(const int width, const int height) {
-  return std::to_string(width) + "x" + std::to_string(height);
-}
 
 // Throws if the map does not cover the camera's field of view.
 void CheckShape(const std::string& path,

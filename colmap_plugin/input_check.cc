@@ -4,6 +4,7 @@
 #include "colmap_plugin/dense_workspace.h"
 #include "colmap_plugin/log_level.h"
 #include "colmap_plugin/masks.h"
+#include "colmap_plugin/text_output.h"
 #include "nerf/scene_file.h"
 #include "nerf/util/image_name.h"
 
@@ -24,10 +25,6 @@ bool HasModelFiles(const fs::path& path, const std::string& extension) {
   return fs::is_regular_file(path / ("cameras" + extension)) &&
          fs::is_regular_file(path / ("images" + extension)) &&
          fs::is_regular_file(path / ("points3D" + extension));
-}
-
-std::string SizeText(const size_t width, const size_t height) {
-  return std::to_string(width) + "x" + std::to_string(height);
 }
 
 }  // namespace

@@ -1,8 +1,8 @@
 #include "colmap_plugin/option_table.h"
 
+#include "colmap_plugin/text_output.h"
 #include "nerf/method_options.h"
 
-#include <sstream>
 #include <stdexcept>
 #include <utility>
 
@@ -11,19 +11,13 @@ namespace {
 
 constexpr double kMaxMinutes = 1e6;
 
-std::string NumberText(const double number) {
-  std::ostringstream stream;
-  stream << number;
-  return stream.str();
-}
-
 std::string ValueText(const OptionValue& value) {
   if (const bool* flag = std::get_if<bool>(&value)) {
     return *flag ? "1" : "0";
   } else if (const int* integer = std::get_if<int>(&value)) {
     return std::to_string(*integer);
   } else if (const double* number = std::get_if<double>(&value)) {
-    return NumberText(*number);
+    return FormatNumber("%g", *number);
   }
   return std::get<std::string>(value);
 }
@@ -34,8 +28,8 @@ std::string HelpText(const OptionEntry& entry) {
       entry.max_value == std::numeric_limits<double>::max()) {
     return entry.help;
   }
-  return entry.help + " [" + NumberText(entry.min_value) + ", " +
-         NumberText(entry.max_value) + "]";
+  return entry.help + " [" + FormatNumber("%g", entry.min_value) + ", " +
+         FormatNumber("%g", entry.max_value) + "]";
 }
 
 }  // namespace
@@ -110,8 +104,8 @@ void CheckOptions(const StructNerfOptions& options) {
     if (!(minutes >= 0 && minutes <= kMaxMinutes)) {
       throw std::runtime_error(std::string("The option --StructNeRF.") + name +
                                " must be between 0 and " +
-                               NumberText(kMaxMinutes) + ", but is " +
-                               NumberText(minutes) + ".");
+                               FormatNumber("%g", kMaxMinutes) + ", but is " +
+                               FormatNumber("%g", minutes) + ".");
     }
   }
   for (const auto& [name, type] :

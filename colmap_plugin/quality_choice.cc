@@ -1,13 +1,13 @@
 #include "colmap_plugin/quality_choice.h"
 
 #include "colmap_plugin/staged_folder.h"
+#include "colmap_plugin/text_output.h"
 #include "colmap_plugin/time_estimate.h"
 #include "nerf/checkpoint_options.h"
 #include "nerf/engine/machine_speed.h"
 
 #include <filesystem>
 #include <fstream>
-#include <stdexcept>
 
 namespace structnerf {
 namespace {
@@ -36,13 +36,7 @@ std::string ChooseQuality(const StructNerfOptions& options,
 
 void RememberQuality(const std::string& notes_path,
                      const std::string& quality) {
-  const fs::path path = fs::path(notes_path) / kFileName;
-  std::ofstream file(path);
-  file << quality << std::endl;
-  if (!file) {
-    throw std::runtime_error("The file " + path.string() +
-                             " cannot be written; is the disk full?");
-  }
+  WriteTextFile((fs::path(notes_path) / kFileName).string(), quality + "\n");
 }
 
 }  // namespace structnerf

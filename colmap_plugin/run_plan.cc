@@ -2,10 +2,11 @@
 
 #include "colmap_plugin/colmap_compat.h"
 #include "colmap_plugin/memory_budget.h"
+#include "colmap_plugin/scene_converter.h"
+#include "colmap_plugin/text_output.h"
 #include "nerf/reconstructor.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 #include <stdexcept>
 #include <thread>
@@ -37,9 +38,7 @@ constexpr size_t kOverheadBytes = size_t{64} << 20;
 constexpr int kMinTrainingImageSize = 64;
 
 std::string GbText(const size_t num_bytes) {
-  char text[32];
-  snprintf(text, sizeof(text), "%.2f GB", num_bytes / kBytesPerGb);
-  return text;
+  return FormatNumber("%.2f GB", num_bytes / kBytesPerGb);
 }
 
 }  // namespace
@@ -55,12 +54,7 @@ std::vector<PinholeCamera> UndistortedCameras(
         distorted_camera.IsUndistorted()
             ? distorted_camera
             : colmap::UndistortCamera(options, distorted_camera);
-    cameras.push_back({static_cast<int>(camera.width),
-                       static_cast<int>(camera.height),
-                       camera.FocalLengthX(),
-                       camera.FocalLengthY(),
-                       camera.PrincipalPointX(),
-                       camera.PrincipalPointY()});
+    cameras.push_back(ToPinholeCamera(camera));
   }
   return cameras;
 }

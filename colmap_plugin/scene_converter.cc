@@ -30,12 +30,7 @@ View ConvertPose(const colmap::Reconstruction& reconstruction,
   }
   View view;
   view.name = image.Name();
-  view.camera.width = static_cast<int>(camera.width);
-  view.camera.height = static_cast<int>(camera.height);
-  view.camera.fx = camera.FocalLengthX();
-  view.camera.fy = camera.FocalLengthY();
-  view.camera.cx = camera.PrincipalPointX();
-  view.camera.cy = camera.PrincipalPointY();
+  view.camera = ToPinholeCamera(camera);
   const Eigen::Matrix<double, 3, 4> cam_from_world =
       image.CamFromWorld().ToMatrix();
   view.cam_from_world_rotation = cam_from_world.leftCols<3>();
@@ -137,6 +132,15 @@ std::vector<SparsePoint> ConvertPoints(
 
 }  // namespace
 
+PinholeCamera ToPinholeCamera(const colmap::Camera& camera) {
+  return {static_cast<int>(camera.width),
+          static_cast<int>(camera.height),
+          camera.FocalLengthX(),
+          camera.FocalLengthY(),
+          camera.PrincipalPointX(),
+          camera.PrincipalPointY()};
+}
+
 Scene ConvertGeometry(const colmap::Reconstruction& reconstruction) {
   Scene scene;
   std::unordered_map<colmap::image_t, int> view_idxs;
@@ -152,17 +156,13 @@ Scene ConvertScene(const colmap::Reconstruction& reconstruction,
                    const SceneConverterOptions& options,
                    Progress* progress) {
   Scene scene = ConvertGeometry(reconstruction);
-  ProgressUpdate update;
-  update.stage = "Loading images";
   std::atomic<size_t> num_done{0};
   ThreadPool(-1).ParallelFor(
       scene.views.size(), [&](const size_t view_idx, const int thread) {
         LoadPixels(options, &scene.views[view_idx]);
         ++num_done;
         if (thread == 0) {  // who called us
-          update.fraction = static_cast<double>(num_done) / scene.views.size();
-          progress->Report(update);
-          PauseOrAbort(progress);
+          ReportItems("Loading images", num_done, scene.views.size(), progress);
         }
       });
   return scene;

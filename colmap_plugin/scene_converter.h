@@ -9,6 +9,9 @@
 
 namespace structnerf {
 
+// The pinhole camera that an undistorted camera is.
+PinholeCamera ToPinholeCamera(const colmap::Camera& camera);
+
 struct SceneConverterOptions {
   // Folder with the undistorted images.
   std::string image_path;

@@ -7,18 +7,6 @@
 
 namespace structnerf {
 
-// For work on one item of many, whose own fractions would only confuse.
-class SilentProgress : public Progress {
- public:
-  explicit SilentProgress(Progress* progress) : progress_(progress) {}
-  bool ShouldStop() override { return progress_->ShouldStop(); }
-  bool ShouldAbort() override { return progress_->ShouldAbort(); }
-  void BlockWhilePaused() override { progress_->BlockWhilePaused(); }
-
- private:
-  Progress* progress_;
-};
-
 // One stage of long work that goes over items: tells how far it is, and ends it
 // when told to.
 class StageProgress {
@@ -33,7 +21,7 @@ class StageProgress {
   Progress* Inner() { return &inner_; }
 
  private:
-  ProgressUpdate update_;
+  const std::string stage_;
   Progress* progress_;
   SilentProgress inner_;
 };

@@ -9,7 +9,6 @@
 #include "colmap_plugin/quality_choice.h"
 #include "colmap_plugin/run_identity.h"
 #include "colmap_plugin/scene_converter.h"
-#include "colmap_plugin/stage_progress.h"
 #include "colmap_plugin/undistorted_images.h"
 #include "nerf/engine/torch_factory.h"
 #include "nerf/scene_file.h"
@@ -275,11 +274,7 @@ void StructNerfController::LoadScene() {
   report_.num_points3D = static_cast<int>(scene.points.size());
   report_.training_image_size = converter_options.max_image_size;
   for (const View& view : scene.views) {
-    View& pose = scene_.views.emplace_back();
-    pose.name = view.name;
-    pose.camera = view.camera;
-    pose.cam_from_world_rotation = view.cam_from_world_rotation;
-    pose.cam_from_world_translation = view.cam_from_world_translation;
+    scene_.views.push_back(PoseOf(view));
   }
   reconstructor_ = std::make_unique<Reconstructor>(
       std::move(scene), options_.reconstruction, MakeAnyEngine);
@@ -379,9 +374,8 @@ void StructNerfController::CompletePlanes() {
 
 void StructNerfController::CheckConsistency() {
   BeginStage("Checking consistency");
-  ExtractionOptions extraction = options_.reconstruction.extraction;
-  extraction.min_num_consistent = std::min(
-      extraction.min_num_consistent, static_cast<int>(image_names_.size()) - 1);
+  const ExtractionOptions extraction =
+      options_.reconstruction.extraction.FittedTo(image_names_.size());
   for (size_t i = 0; i < image_names_.size(); ++i) {
     std::vector<int> required = source_views_[i];
     required.push_back(static_cast<int>(i));
@@ -484,11 +478,7 @@ void StructNerfController::BeginStage(const std::string& name) {
 
 void StructNerfController::ReportFraction(const size_t num_done,
                                           const size_t num_all) {
-  ProgressUpdate update;
-  update.stage = progress_->Stage();
-  update.fraction = static_cast<double>(num_done) / num_all;
-  progress_->Report(update);
-  PauseOrAbort(progress_.get());
+  ReportItems(progress_->Stage(), num_done, num_all, progress_.get());
 }
 
 void StructNerfController::Warn(const std::string& sentence) {

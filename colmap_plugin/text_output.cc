@@ -22,6 +22,10 @@ std::string FormatNumber(const char* format, const double value) {
   return text;
 }
 
+std::string SizeText(const size_t width, const size_t height) {
+  return std::to_string(width) + "x" + std::to_string(height);
+}
+
 void WriteTextFile(const std::string& path, const std::string& text) {
   WriteWholeFile(path, [&](std::ostream* stream) { *stream << text; });
 }

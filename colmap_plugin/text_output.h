@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 namespace structnerf {
@@ -10,6 +11,9 @@ void AppendF(std::string* text, const char* format, ...)
 
 // The same of one number.
 std::string FormatNumber(const char* format, double value);
+
+// "640x480".
+std::string SizeText(size_t width, size_t height);
 
 // Written beside and renamed. Throws std::runtime_error, naming the file, if
 // that fails.

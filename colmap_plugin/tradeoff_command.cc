@@ -60,16 +60,10 @@ bool ParseTradeoffCommand(const std::vector<std::string>& args,
 }
 
 void CheckCommand(const TradeoffCommand& command) {
-  for (const auto& [name, value] :
-       {std::pair("image_path", command.scene.image_path),
-        std::pair("input_path", command.scene.input_path),
-        std::pair("output_path", command.scene.output_path)}) {
-    if (value.empty()) {
-      throw std::runtime_error(std::string("The option --") + name +
-                               " is missing; give --image_path, --input_path "
-                               "and --output_path.");
-    }
-  }
+  RequireOptions({{"image_path", command.scene.image_path},
+                  {"input_path", command.scene.input_path},
+                  {"output_path", command.scene.output_path}},
+                 "--image_path, --input_path and --output_path");
   if (command.num_seeds < 1 || command.num_seeds > kMaxSeeds) {
     throw std::runtime_error("The option --num_seeds must be between 1 and " +
                              std::to_string(kMaxSeeds) + ", but is " +

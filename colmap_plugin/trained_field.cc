@@ -34,13 +34,8 @@ TrainedField::TrainedField(const std::string& workspace_path) {
 }
 
 std::vector<int> TrainedField::HeldOutViewIdxs() const {
-  std::vector<int> view_idxs;
-  for (size_t v = 0; v < scene_.views.size(); ++v) {
-    if (IsHeldOut(v, run_.options.reconstruction.training.test_every)) {
-      view_idxs.push_back(static_cast<int>(v));
-    }
-  }
-  return view_idxs;
+  return structnerf::HeldOutViewIdxs(
+      scene_.views.size(), run_.options.reconstruction.training.test_every);
 }
 
 }  // namespace structnerf

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 namespace structnerf {
@@ -29,6 +30,20 @@ struct DenseMaps {
   // matched. Row-major; empty without matching.
   std::vector<float> distinctness;
 };
+
+// Takes depth and normal from all pixels but those that `keep(pixel)` says.
+template <typename Predicate>
+void KeepOnly(const Predicate& keep, DenseMaps* maps) {
+  const size_t num_pixels = maps->depth.size();
+  for (size_t i = 0; i < num_pixels; ++i) {
+    if (!keep(i)) {
+      maps->depth[i] = 0;
+      for (size_t axis = 0; axis < 3; ++axis) {
+        maps->normal[axis * num_pixels + i] = 0;
+      }
+    }
+  }
+}
 
 // For every pixel of a view the other views that confirm its depth.
 struct ConsistencyRecord {

@@ -39,14 +39,10 @@ FieldViewer::FieldViewer(Scene scene,
   Progress silent;
   impl_->engine->RebuildDensityCache(&silent);
 
-  std::vector<int> held_out;
-  for (size_t v = 0; v < scene.views.size(); ++v) {
-    if (IsHeldOut(v, options.training.test_every)) {
-      held_out.push_back(static_cast<int>(v));
-    }
-  }
   impl_->appearances = SelectAppearances(
-      scene.views.size(), held_out, options.training.latent_test);
+      scene.views.size(),
+      HeldOutViewIdxs(scene.views.size(), options.training.test_every),
+      options.training.latent_test);
 }
 
 FieldViewer::~FieldViewer() = default;

@@ -167,6 +167,13 @@ bool ExtractionOptions::Check(std::string* error) const {
       .Report(error);
 }
 
+ExtractionOptions ExtractionOptions::FittedTo(const size_t num_views) const {
+  ExtractionOptions fitted = *this;
+  fitted.min_num_consistent =
+      std::min(min_num_consistent, static_cast<int>(num_views) - 1);
+  return fitted;
+}
+
 bool ReconstructionOptions::Check(std::string* error) const {
   return field.Check(error) && sampling.Check(error) && loss.Check(error) &&
          training.Check(error) && stereo.Check(error) &&

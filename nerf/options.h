@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 namespace structnerf {
@@ -234,6 +235,9 @@ struct ExtractionOptions {
   int min_num_consistent = 2;
 
   bool Check(std::string* error) const;
+
+  // For scenes of so many views, where only the others can confirm a pixel.
+  ExtractionOptions FittedTo(size_t num_views) const;
 };
 
 struct ReconstructionOptions {

@@ -1,5 +1,7 @@
 #include "nerf/progress.h"
 
+#include <algorithm>
+
 namespace structnerf {
 
 void Progress::Report(const ProgressUpdate&) {}
@@ -23,6 +25,18 @@ std::chrono::steady_clock::duration PauseOrAbort(Progress* progress) {
     throw Aborted();
   }
   return std::chrono::steady_clock::now() - begin;
+}
+
+void ReportItems(const std::string& stage,
+                 const size_t num_done,
+                 const size_t num_all,
+                 Progress* progress) {
+  ProgressUpdate update;
+  update.stage = stage;
+  update.fraction =
+      static_cast<double>(num_done) / std::max<size_t>(1, num_all);
+  progress->Report(update);
+  PauseOrAbort(progress);
 }
 
 }  // namespace structnerf

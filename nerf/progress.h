@@ -3,6 +3,7 @@
 #include "nerf/preview.h"
 
 #include <chrono>
+#include <cstddef>
 #include <string>
 
 namespace structnerf {
@@ -49,11 +50,30 @@ class Progress {
   virtual void ShowPreview(const Preview& preview);
 };
 
+// For work on one item of many, whose own fractions would only confuse.
+class SilentProgress : public Progress {
+ public:
+  explicit SilentProgress(Progress* progress) : progress_(progress) {}
+  bool ShouldStop() override { return progress_->ShouldStop(); }
+  bool ShouldAbort() override { return progress_->ShouldAbort(); }
+  void BlockWhilePaused() override { progress_->BlockWhilePaused(); }
+
+ private:
+  Progress* progress_;
+};
+
 // Thrown by work that was told to abort.
 struct Aborted {};
 
 // To be called between pieces of work: waits while it is paused and throws
 // Aborted if it was told to abort. Returns the time spent waiting.
 std::chrono::steady_clock::duration PauseOrAbort(Progress* progress);
+
+// To be called after each of `num_all` items that a stage goes over: tells how
+// far it is, and does what PauseOrAbort does.
+void ReportItems(const std::string& stage,
+                 size_t num_done,
+                 size_t num_all,
+                 Progress* progress);
 
 }  // namespace structnerf

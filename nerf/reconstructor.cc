@@ -243,15 +243,8 @@ DenseMaps Reconstructor::RenderView(const size_t view_idx,
   }
   const float max_std =
       static_cast<float>(impl_->options.extraction.max_relative_std);
-  const size_t num_pixels = maps.depth.size();
-  for (size_t i = 0; i < num_pixels; ++i) {
-    if (!(maps.relative_std[i] <= max_std)) {
-      maps.depth[i] = 0;
-      for (int axis = 0; axis < 3; ++axis) {
-        maps.normal[axis * num_pixels + i] = 0;
-      }
-    }
-  }
+  KeepOnly([&](const size_t i) { return maps.relative_std[i] <= max_std; },
+           &maps);
   return maps;
 }
 

@@ -88,6 +88,15 @@ Eigen::Vector3d View::ProjectionCenter() const {
   return -cam_from_world_rotation.transpose() * cam_from_world_translation;
 }
 
+View PoseOf(const View& view) {
+  View pose;
+  pose.name = view.name;
+  pose.camera = view.camera;
+  pose.cam_from_world_rotation = view.cam_from_world_rotation;
+  pose.cam_from_world_translation = view.cam_from_world_translation;
+  return pose;
+}
+
 void Scene::Check() const {
   for (const View& view : views) {
     CheckView(view);

@@ -71,6 +71,9 @@ struct View {
   Eigen::Vector3d ProjectionCenter() const;
 };
 
+// Name, camera and pose of a view, without its pixels.
+View PoseOf(const View& view);
+
 // Where a sparse point was found in a view.
 struct Observation {
   int view_idx = -1;   // into Scene::views

@@ -165,6 +165,16 @@ bool IsHeldOut(const size_t view_idx, const int test_every) {
   return test_every > 0 && (view_idx + 1) % test_every == 0;
 }
 
+std::vector<int> HeldOutViewIdxs(const size_t num_views, const int test_every) {
+  std::vector<int> view_idxs;
+  for (size_t v = 0; v < num_views; ++v) {
+    if (IsHeldOut(v, test_every)) {
+      view_idxs.push_back(static_cast<int>(v));
+    }
+  }
+  return view_idxs;
+}
+
 std::vector<Appearance> SelectAppearances(
     const size_t num_views,
     const std::vector<int>& test_view_idxs,

@@ -34,6 +34,9 @@ std::vector<std::vector<int>> SelectTrainingSources(
 // views the last, as in the paper; 0 = none.
 bool IsHeldOut(size_t view_idx, int test_every);
 
+// All of these, ascending.
+std::vector<int> HeldOutViewIdxs(size_t num_views, int test_every);
+
 // The photographs whose latent codes a view is rendered with, see
 // RayTile::appearance.
 using Appearance = std::array<int, 2>;

@@ -1,10 +1,10 @@
 #include "colmap_plugin/evaluation/depth_truth.h"
 
 #include "colmap_plugin/evaluation/median.h"
+#include "colmap_plugin/text_output.h"
 
 #include <cmath>
 #include <filesystem>
-#include <sstream>
 #include <stdexcept>
 #include <vector>
 
@@ -26,16 +26,6 @@ constexpr double kMaxMedianDepth = 1000;
 // that were rounded.
 constexpr double kMaxAspectError = 0.02;
 
-std::string NumberText(const double number) {
-  std::ostringstream stream;
-  stream << number;
-  return stream.str();
-}
-
-std::string SizeText(const size_t width, const size_t height) {
-  return std::to_string(width) + "x" + std::to_string(height);
-}
-
 void CheckMedian(const cv::Mat1f& depth,
                  const std::string& path,
                  const double scale) {
@@ -51,8 +41,9 @@ void CheckMedian(const cv::Mat1f& depth,
   const double median = Median(&values);
   if (median < kMinMedianDepth || median > kMaxMedianDepth) {
     throw std::runtime_error("The ground truth " + path +
-                             " has a median depth of " + NumberText(median) +
-                             " m; --depth_scale " + NumberText(scale) +
+                             " has a median depth of " +
+                             FormatNumber("%g", median) + " m; --depth_scale " +
+                             FormatNumber("%g", scale) +
                              " (its value for one metre) must be wrong.");
   }
 }
@@ -70,7 +61,7 @@ void DepthTruthOptions::Check() const {
   if (!(scale > 0) || !std::isfinite(scale)) {
     throw std::runtime_error(
         "The option --depth_scale must be positive, but is " +
-        NumberText(scale) + ".");
+        FormatNumber("%g", scale) + ".");
   }
   if (!(min_depth >= 0) || !(max_depth >= 0) ||
       (max_depth > 0 && max_depth <= min_depth)) {

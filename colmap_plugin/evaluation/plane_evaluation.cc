@@ -1,6 +1,7 @@
 #include "colmap_plugin/evaluation/plane_evaluation.h"
 
 #include "colmap_plugin/evaluation/pixel_lookup.h"
+#include "colmap_plugin/scene_converter.h"
 
 #include <filesystem>
 #include <stdexcept>
@@ -25,16 +26,6 @@ cv::Mat3b ReadPhotograph(const std::string& path, const cv::Size size) {
   return image;
 }
 
-PinholeCamera PinholeOf(const colmap::Camera& camera, const cv::Size size) {
-  const PinholeCamera pinhole{static_cast<int>(camera.width),
-                              static_cast<int>(camera.height),
-                              camera.FocalLengthX(),
-                              camera.FocalLengthY(),
-                              camera.PrincipalPointX(),
-                              camera.PrincipalPointY()};
-  return pinhole.Resized(size.width, size.height);
-}
-
 }  // namespace
 
 PlaneEvaluation EvaluatePlanes(const DepthEvaluation& depth,
@@ -54,7 +45,8 @@ PlaneEvaluation EvaluatePlanes(const DepthEvaluation& depth,
     const cv::Size size = predicted->depth.size();
     const auto regions = FindPlanarRegions(ReadPhotograph(
         (std::filesystem::path(image_path) / image.name).string(), size));
-    const PinholeCamera camera = PinholeOf(predicted->camera, size);
+    const PinholeCamera camera =
+        ToPinholeCamera(predicted->camera).Resized(size.width, size.height);
     evaluation.predicted.AddView(
         camera, offset, regions, predicted->depth * image.metres_per_unit);
     // The truth along the rays of the map.

@@ -68,31 +68,6 @@ class PartialFolder {
   const std::string partial_path_;
 };
 
-// For work on one of many views, whose own fractions would only confuse.
-class QuietProgress : public Progress {
- public:
-  explicit QuietProgress(Progress* progress) : progress_(progress) {}
-  bool ShouldStop() override { return progress_->ShouldStop(); }
-  bool ShouldAbort() override { return progress_->ShouldAbort(); }
-
- private:
-  Progress* progress_;
-};
-
-// Takes depth and normal from all pixels but those that `keep` says.
-template <typename Predicate>
-void KeepOnly(const Predicate& keep, DenseMaps* maps) {
-  const size_t num_pixels = maps->depth.size();
-  for (size_t i = 0; i < num_pixels; ++i) {
-    if (!keep(i)) {
-      maps->depth[i] = 0;
-      for (size_t axis = 0; axis < 3; ++axis) {
-        maps->normal[axis * num_pixels + i] = 0;
-      }
-    }
-  }
-}
-
 void ApplyMask(const View& view, DenseMaps* maps) {
   if (view.mask.empty()) {
     return;
@@ -123,27 +98,16 @@ void WriteMaps(const PartialFolder& folder,
       "stereo/normal_maps/" + file_name, maps.width, maps.height, maps.normal);
 }
 
-void ReportView(const char* stage,
-                const size_t num_done,
-                const size_t num_all,
-                Progress* progress) {
-  ProgressUpdate update;
-  update.stage = stage;
-  update.fraction = static_cast<double>(num_done) / num_all;
-  progress->Report(update);
-  PauseOrAbort(progress);
-}
-
 // The maps before other views have confirmed them, of all views.
 std::vector<DenseMaps> RenderMaps(const std::vector<View>& views,
                                   Reconstructor* reconstructor,
                                   Progress* progress) {
-  QuietProgress view_progress(progress);
+  SilentProgress view_progress(progress);
   std::vector<DenseMaps> all_maps;
   for (size_t i = 0; i < views.size(); ++i) {
     all_maps.push_back(reconstructor->RenderView(i, &view_progress));
     reconstructor->AddMaps(i, all_maps.back());
-    ReportView("Rendering depth maps", i + 1, views.size(), progress);
+    ReportItems("Rendering depth maps", i + 1, views.size(), progress);
   }
   reconstructor->FindPlanes();
   for (size_t i = 0; i < views.size(); ++i) {
@@ -152,7 +116,7 @@ std::vector<DenseMaps> RenderMaps(const std::vector<View>& views,
     maps.relative_std = {};
     maps.distinctness = {};
     ApplyMask(views[i], &maps);
-    ReportView("Completing planes", i + 1, views.size(), progress);
+    ReportItems("Completing planes", i + 1, views.size(), progress);
   }
   return all_maps;
 }
@@ -168,11 +132,7 @@ MapsSummary ReconstructIntoFolder(
   PartialFolder folder(path);
   Scene poses;  // what is needed of the scene after training
   for (const View& view : scene.views) {
-    View& pose = poses.views.emplace_back();
-    pose.name = view.name;
-    pose.camera = view.camera;
-    pose.cam_from_world_rotation = view.cam_from_world_rotation;
-    pose.cam_from_world_translation = view.cam_from_world_translation;
+    View& pose = poses.views.emplace_back(PoseOf(view));
     pose.image.width = view.image.width;
     pose.image.height = view.image.height;
     pose.mask = view.mask;
@@ -188,9 +148,8 @@ MapsSummary ReconstructIntoFolder(
   const auto begin = std::chrono::steady_clock::now();
   const std::vector<DenseMaps> all_maps =
       RenderMaps(poses.views, &reconstructor, progress);
-  ExtractionOptions extraction = options.extraction;
-  extraction.min_num_consistent = std::min(
-      extraction.min_num_consistent, static_cast<int>(poses.views.size()) - 1);
+  const ExtractionOptions extraction =
+      options.extraction.FittedTo(poses.views.size());
   for (size_t i = 0; i < all_maps.size(); ++i) {
     const std::string& name = poses.views[i].name;
     DenseMaps maps = all_maps[i];
@@ -206,7 +165,7 @@ MapsSummary ReconstructIntoFolder(
              &maps);
     WriteMaps(folder, name, "geometric", maps);
     summary.num_geometric += NumDepths(maps);
-    ReportView("Checking consistency", i + 1, all_maps.size(), progress);
+    ReportItems("Checking consistency", i + 1, all_maps.size(), progress);
   }
   folder.Commit();
   summary.map_seconds =
