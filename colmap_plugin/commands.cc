@@ -43,6 +43,10 @@ const std::vector<std::string> kProjectKeys = {"image_path",
 struct DenseCommand {
   StructNerfOptions options;
   std::string input_path;
+
+  // That of `input_path`, if it has been read already.
+  std::shared_ptr<const colmap::Reconstruction> model;
+
   bool print_options = false;
 };
 
@@ -126,11 +130,10 @@ bool ParseOptionsOfQuality(const std::vector<std::string>& args,
   return true;
 }
 
-colmap::Reconstruction ReadInputModel(const DenseCommand& command) {
+std::string ModelPath(const DenseCommand& command) {
   const std::string& workspace_path = command.options.workspace_path;
-  return ReadModel(workspace_path.empty()
-                       ? command.input_path
-                       : DenseWorkspace(workspace_path).SparsePath());
+  return workspace_path.empty() ? command.input_path
+                                : DenseWorkspace(workspace_path).SparsePath();
 }
 
 // Returns false if the command line is wrong, which has been said then.
@@ -151,10 +154,13 @@ bool ParseDenseCommand(const std::vector<std::string>& raw_args,
     CheckPaths(*command);
   }
   if (quality_by_time) {
-    const std::string fitting_quality = ChooseQuality(
-        command->options, UndistortedCameras(ReadInputModel(*command)));
+    const auto model = std::make_shared<const colmap::Reconstruction>(
+        ReadModel(ModelPath(*command)));
+    const std::string fitting_quality =
+        ChooseQuality(command->options, UndistortedCameras(*model));
     *command = DenseCommand();
     ParseOptionsOfQuality(args, fitting_quality, command);
+    command->model = model;
   }
   return true;
 }
@@ -169,8 +175,10 @@ void PrintOptions(StructNerfOptions options) {
 int RunController(const DenseCommand& command) {
   std::shared_ptr<const colmap::Reconstruction> reconstruction;
   if (command.options.workspace_path.empty()) {
-    reconstruction = std::make_shared<const colmap::Reconstruction>(
-        ReadModel(command.input_path));
+    reconstruction = command.model != nullptr
+                         ? command.model
+                         : std::make_shared<const colmap::Reconstruction>(
+                               ReadModel(command.input_path));
   }
   const ScopedInterrupts interrupts;
   // COLMAP's own lines would tear the progress line apart.

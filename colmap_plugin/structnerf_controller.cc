@@ -292,7 +292,7 @@ void StructNerfController::Train() {
 }
 
 double StructNerfController::TrainingSeconds() {
-  if (!time_budget_.IsLimited()) {
+  if (!time_budget_.IsLimited() || checkpoint_.is_complete) {
     return 0;
   }
   // An untrained field takes as long to render as any.

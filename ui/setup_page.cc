@@ -132,8 +132,9 @@ void SetupPage::ChangeTimeLimit(const double minutes) {
         ChooseQuality(*options_, UndistortedCameras(*reconstruction_));
     quality_->setCurrentText(QString::fromStdString(quality));
     ChangeQuality(quality_->currentText());
+  } else {
+    UpdateExpectation();
   }
-  UpdateExpectation();
 }
 
 void SetupPage::WriteOptions() {

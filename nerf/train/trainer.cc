@@ -88,13 +88,14 @@ TrainingSummary Trainer::Run(Progress* progress,
   summary.num_resumed_steps = summary.num_steps;
   const double resumed_seconds = summary.seconds;
   auto begin = std::chrono::steady_clock::now();
-  TrainingSchedule schedule(
-      training.num_steps, max_seconds > 0 ? resumed_seconds + max_seconds : 0);
-  schedule.Begin(resumed_seconds);
+  const auto trained_seconds = [&]() {
+    return resumed_seconds + Seconds(begin);
+  };
+  TrainingSchedule schedule(training.num_steps, max_seconds, resumed_seconds);
   double& mean_loss = state.mean_loss;
   int& step = state.step;
   while (step < training.num_steps && !state.is_complete) {
-    summary.seconds = resumed_seconds + Seconds(begin);
+    summary.seconds = trained_seconds();
     try {
       begin += PauseOrAbort(progress);
     } catch (const Aborted&) {
@@ -145,7 +146,7 @@ TrainingSummary Trainer::Run(Progress* progress,
       engine_->RefreshDensityCache(
           static_cast<float>(options_.sampling.cache_decay));
     }
-    const int next_step = schedule.Next(step, resumed_seconds + Seconds(begin));
+    const int next_step = schedule.Next(step, trained_seconds());
     if (guards.EndStep(step, next_step, loss, is_finite)) {
       step = next_step;
     } else {
@@ -154,7 +155,7 @@ TrainingSummary Trainer::Run(Progress* progress,
     }
   }
   if (!state.is_complete) {
-    summary.seconds = resumed_seconds + Seconds(begin);
+    summary.seconds = trained_seconds();
     state.is_complete = true;
     checkpoints->Save(*engine_, guards, state);
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace structnerf {
 namespace {
@@ -12,10 +13,12 @@ constexpr double kSmoothing = 0.1;
 }  // namespace
 
 TrainingSchedule::TrainingSchedule(const int num_steps,
-                                   const double max_seconds)
-    : num_steps_(num_steps), max_seconds_(max_seconds) {}
-
-void TrainingSchedule::Begin(const double seconds) { last_seconds_ = seconds; }
+                                   const double max_seconds,
+                                   const double begin_seconds)
+    : num_steps_(num_steps),
+      end_seconds_(max_seconds > 0 ? begin_seconds + max_seconds
+                                   : std::numeric_limits<double>::infinity()),
+      last_seconds_(begin_seconds) {}
 
 int TrainingSchedule::Next(const int position, const double seconds) {
   const double duration = seconds - last_seconds_;
@@ -23,10 +26,7 @@ int TrainingSchedule::Next(const int position, const double seconds) {
   step_seconds_ = step_seconds_ < 0 ? duration
                                     : (1 - kSmoothing) * step_seconds_ +
                                           kSmoothing * duration;
-  if (max_seconds_ <= 0) {
-    return position + 1;
-  }
-  const double left = max_seconds_ - seconds;
+  const double left = end_seconds_ - seconds;
   if (left <= 0) {
     return num_steps_;
   }
@@ -44,10 +44,9 @@ double TrainingSchedule::SecondsLeft(const int position,
   if (step_seconds_ < 0) {
     return -1;
   }
-  const double left = step_seconds_ * (num_steps_ - position);
-  return max_seconds_ > 0
-             ? std::max(0.0, std::min(left, max_seconds_ - seconds))
-             : left;
+  return std::max(0.0,
+                  std::min(step_seconds_ * (num_steps_ - position),
+                           end_seconds_ - seconds));
 }
 
 }  // namespace structnerf

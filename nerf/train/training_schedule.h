@@ -12,16 +12,13 @@ namespace structnerf {
 // position per step: more steps than `num_steps` are not taken.
 class TrainingSchedule {
  public:
-  // `max_seconds` of training; not positive = no limit.
-  TrainingSchedule(int num_steps, double max_seconds);
+  // `begin_seconds`: of training so far, of one that goes on. `max_seconds`
+  // from then on; not positive = no limit.
+  TrainingSchedule(int num_steps, double max_seconds, double begin_seconds = 0);
 
   // The position after a step at `position`. `seconds`: of training in all, up
-  // to the end of that step; those of the step itself are told by the call
-  // before, or by Begin(). Returns `num_steps` if training is over.
+  // to the end of that step. Returns `num_steps` if training is over.
   int Next(int position, double seconds);
-
-  // To be called before the first step, also of a training that goes on.
-  void Begin(double seconds);
 
   // Seconds of training that are left, if a step takes as long as the last ones
   // did; -1 = not known yet.
@@ -29,8 +26,8 @@ class TrainingSchedule {
 
  private:
   const int num_steps_;
-  const double max_seconds_;
-  double last_seconds_ = 0;   // at the end of the last step
+  const double end_seconds_;  // of training in all; infinite without limit
+  double last_seconds_;       // at the end of the last step
   double step_seconds_ = -1;  // of one step, smoothed; -1 = not known yet
   double carry_ = 0;          // part of a position
 };
