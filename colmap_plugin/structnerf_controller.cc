@@ -410,10 +410,13 @@ void StructNerfController::FusePoints() {
     fusion_options.min_num_pixels = DefaultMinNumPixels(image_names_.size());
   }
   report_.fusion_min_num_pixels = fusion_options.min_num_pixels;
-  const std::string note = FitFusionIntoMemory(
-      UndistortedCameras(*reconstruction_),
-      memory_plan_.limit - std::min(memory_plan_.limit, CurrentMemory()),
-      &fusion_options);
+  // As of now: COLMAP's threads end the process where memory fails them.
+  const size_t limit =
+      std::min(memory_plan_.limit, MemoryLimit(options_.max_memory_gb));
+  const std::string note =
+      FitFusionIntoMemory(UndistortedCameras(*reconstruction_),
+                          limit - std::min(limit, CurrentMemory()),
+                          &fusion_options);
   if (!note.empty()) {
     progress_->Note(note);
   }

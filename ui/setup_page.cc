@@ -40,7 +40,7 @@ SetupPage::SetupPage(StructNerfOptions* options,
   max_minutes_ = new QDoubleSpinBox(this);
   max_minutes_->setObjectName("max_minutes");
   max_minutes_->setRange(0, 1e6);
-  max_minutes_->setDecimals(1);
+  max_minutes_->setDecimals(2);
   max_minutes_->setSuffix(" min");
   max_minutes_->setSpecialValueText("none");
   max_minutes_->setToolTip(
