@@ -115,7 +115,9 @@ std::string MeasureFocalLength(const double focal_length) {
   // As wide a lens sees much of the wall, as far a tele little of it.
   const double visible = kWallDistance * kWidth / focal_length;
   TexturedPlane plane;
-  plane.wavelength = 0.15 * visible;
+  // Between the views of a tele lens lie many pixels: what repeats within them
+  // fits at other depths, too.
+  plane.wavelength = (focal_length > kWidth ? 0.5 : 0.15) * visible;
   const Scene scene = MakeWallScene(
       plane, focal_length, Grid(0.4), Eigen::Vector3d(0, 0, kWallDistance));
   // Near the limit of what a pinhole can be, a pixel is ten degrees wide.
@@ -233,11 +235,11 @@ std::string MeasureDoubledViews() {
   return text;
 }
 
-std::string MeasureCollinear() {
+std::string MeasureCollinear(const Eigen::Vector3d& step) {
   TexturedPlane plane;
   std::vector<Eigen::Vector3d> centers;
   for (int i = 0; i < 5; ++i) {
-    centers.emplace_back(0, 0, 0.35 * i);  // straight at the wall
+    centers.push_back(i * step);
   }
   const Scene scene = MakeWallScene(
       plane, kWidth, centers, Eigen::Vector3d(0, 0, kWallDistance));
@@ -279,7 +281,12 @@ std::vector<StabilityCase> CameraCases() {
                    RunIdenticalCameras,
                    "all cameras stand in one place"});
   cases.push_back({"every camera twice", MeasureDoubledViews});
-  cases.push_back({"collinear cameras, along the view", MeasureCollinear});
+  cases.push_back({"collinear cameras, along the view", [] {
+                     return MeasureCollinear({0, 0, 0.35});
+                   }});
+  cases.push_back({"collinear cameras, across the view", [] {
+                     return MeasureCollinear({0.2, 0, 0});
+                   }});
   return cases;
 }
 

@@ -1,7 +1,10 @@
 // Each loss in float against its formula in double, over all depths that a
 // scene can have.
 
+#include "nerf/losses/depth_likelihood.h"
+#include "nerf/losses/far_push.h"
 #include "nerf/losses/planar_loss.h"
+#include "nerf/losses/triple_product.h"
 #include "nerf/util/random.h"
 #include "tests/nerf/losses/patch_loss_reference.h"
 #include "tests/nerf/losses/patch_scene.h"
@@ -15,6 +18,8 @@
 #include <optional>
 #include <string>
 #include <vector>
+
+#include <Eigen/Geometry>
 
 namespace structnerf {
 namespace {
@@ -160,6 +165,104 @@ std::string MeasurePlanarLoss() {
   return Accept(error, 1e-5, 1e-3);
 }
 
+// Volumes are cubic in depth, their derivatives quadratic.
+std::string MeasureTripleProduct() {
+  Random random(2);
+  LossError error;
+  for (double scale = 1e-10; scale < 1e10; scale *= 10) {
+    for (int i = 0; i < 100; ++i) {
+      Eigen::Vector3f directions[4];
+      float depth[4];
+      for (int k = 0; k < 4; ++k) {
+        directions[k] = Eigen::Vector3f(
+            2 * random.NextFloat() - 1, 2 * random.NextFloat() - 1, 1);
+        depth[k] = static_cast<float>(scale * (1 + random.NextFloat()));
+      }
+      const auto loss = [&](const int moved, const double moved_depth) {
+        Eigen::Vector3d points[4];
+        for (int k = 0; k < 4; ++k) {
+          points[k] =
+              (k == moved ? moved_depth : static_cast<double>(depth[k])) *
+              directions[k].cast<double>();
+        }
+        return std::abs((points[1] - points[0])
+                            .cross(points[2] - points[0])
+                            .dot(points[3] - points[0]));
+      };
+      float d_depth[4];
+      const double value = EvaluateTripleProduct(directions, depth, d_depth);
+      const double cube = std::pow(scale, 3);
+      error.value = std::max(error.value, std::abs(value - loss(-1, 0)) / cube);
+      if (value < 1e-4 * cube) {
+        continue;  // at the kink of the absolute value
+      }
+      for (int k = 0; k < 4; ++k) {
+        const double slope = Slope([&](const double d) { return loss(k, d); },
+                                   depth[k],
+                                   1e-6 * depth[k]);
+        error.gradient = std::max(
+            error.gradient, std::abs(d_depth[k] - slope) / (scale * scale));
+      }
+    }
+  }
+  return Accept(error, 1e-4, 1e-4);
+}
+
+std::string MeasureFarTerm() {
+  LossError error;
+  for (const int blankness : {0, 1, 128, 255}) {
+    for (double depth = 1e-30; depth < 1e30; depth *= 3) {
+      float d_depth = 0;
+      const float d = static_cast<float>(depth);
+      const double loss =
+          EvaluateFarPush(static_cast<uint8_t>(blankness), d, &d_depth);
+      const double weight = blankness / 255.0;
+      error.value = std::max(
+          error.value, std::abs(loss + weight * std::log(double{d})) / 70);
+      error.gradient =
+          std::max(error.gradient, std::abs(d_depth * double{d} + weight));
+    }
+  }
+  return Accept(error, 1e-6, 1e-6);
+}
+
+// Of a prior 0.3 units behind what is rendered, or as far as that is.
+std::string MeasureDepthLikelihood() {
+  constexpr float kUnit = 0.2f;
+  LossError error;
+  for (double depth = 1e-8; depth < 1e3; depth *= 1.5) {
+    for (const double deviation : {0.0, 1e-6, 1e-3, 1.0}) {
+      RayOutputs outputs = {};
+      outputs.depth[0] = static_cast<float>(depth);
+      outputs.depth_variance[0] =
+          static_cast<float>(std::pow(deviation * depth, 2));
+      PriorDepth prior;
+      prior.depth =
+          static_cast<float>(depth + std::min<double>(0.3 * kUnit, depth));
+      prior.deviation = 1e-9f;
+      RayGradients gradients = {};
+      const double loss = EvaluateDepthLikelihood(
+          prior, /*weight=*/1, kUnit, outputs, 0, &gradients);
+      const double offset = (double{outputs.depth[0]} - prior.depth) / kUnit;
+      const double variance =
+          double{outputs.depth_variance[0]} / kUnit / kUnit + 1e-6;
+      const auto relative = [](const double actual, const double expected) {
+        return std::abs(actual - expected) / (1 + std::abs(expected));
+      };
+      error.value = std::max(
+          error.value,
+          relative(loss, std::log(variance) + offset * offset / variance));
+      error.gradient = std::max(
+          {error.gradient,
+           relative(gradients.d_depth[0], 2 * offset / variance / kUnit),
+           relative(gradients.pull[0],
+                    (1 / variance - std::pow(offset / variance, 2)) *
+                        std::pow(outputs.depth[0] / kUnit, 2))});
+    }
+  }
+  return Accept(error, 1e-5, 1e-4);
+}
+
 // Colour and depth hints, as tiles report them.
 std::string MeasureColorLossAndHints() {
   ObjectiveScene scene;
@@ -273,6 +376,10 @@ std::string MeasurePullThroughCompositing() {
 std::vector<StabilityCase> LossCases() {
   return {{"patch loss: depths of 1e-6 to 1e12", MeasurePatchLoss},
           {"planar loss: depths of 1e-20 to 1e20", MeasurePlanarLoss},
+          {"triple product: depths of 1e-10 to 1e10", MeasureTripleProduct},
+          {"far term: depths of 1e-30 to 1e30", MeasureFarTerm},
+          {"likelihood of depth priors: depths of 1e-8 to 1e3",
+           MeasureDepthLikelihood},
           {"colour, sparse and prior loss: depths of 1e-8 to 1e8",
            MeasureColorLossAndHints},
           {"sparse loss through compositing: any density",
