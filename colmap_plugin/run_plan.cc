@@ -1,5 +1,6 @@
 #include "colmap_plugin/run_plan.h"
 
+#include "colmap_plugin/cloud_fusion.h"
 #include "colmap_plugin/colmap_compat.h"
 #include "colmap_plugin/memory_budget.h"
 #include "colmap_plugin/scene_converter.h"
@@ -75,7 +76,8 @@ MemoryPlan PlanMemory(const StructNerfOptions& options,
   const size_t decoding_bytes =
       num_pixels * kDecodingBytesPerPixel *
       std::max(1u, std::thread::hardware_concurrency());
-  const size_t present_bytes = CurrentMemory() + kOverheadBytes;
+  const size_t base_bytes = CurrentMemory();
+  const size_t present_bytes = base_bytes + kOverheadBytes;
 
   MemoryPlan plan;
   plan.limit = MemoryLimit(options.max_memory_gb);
@@ -90,9 +92,17 @@ MemoryPlan PlanMemory(const StructNerfOptions& options,
         present_bytes +
         std::max(decoding_bytes, training_bytes + min_map_bytes);
     if (needed_bytes <= plan.limit) {
-      plan.needed = needed_bytes;
       plan.depth_map_bytes =
           plan.limit - std::min(plan.limit, present_bytes + training_bytes);
+      const size_t all_maps_bytes =
+          cameras.size() * num_pixels * kStereoBytesPerPixel;
+      plan.expected = std::min(
+          plan.limit,
+          base_bytes +
+              std::max({decoding_bytes,
+                        training_bytes +
+                            std::min(all_maps_bytes, plan.depth_map_bytes),
+                        EstimateFusionMemory(options.fusion, cameras)}));
       break;
     }
     if (image_size <= kMinTrainingImageSize) {

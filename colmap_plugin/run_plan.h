@@ -18,7 +18,7 @@ std::vector<PinholeCamera> UndistortedCameras(
 // What a run may use of the machine.
 struct MemoryPlan {
   size_t limit = 0;            // bytes
-  size_t needed = 0;           // bytes, without maps beyond the fewest
+  size_t expected = 0;         // bytes at the peak
   size_t depth_map_bytes = 0;  // for maps that are held at once
   int max_image_size = 0;      // of the images that are trained on
 

@@ -161,6 +161,7 @@ std::string ReportJson(const RunReport& report) {
                        {"cpu_seconds", totals.cpu_seconds},
                        {"memory",
                         {{"limit_bytes", report.memory_limit},
+                         {"expected_bytes", report.expected_memory},
                          {"peak_bytes", report.peak_memory}}},
                        {"training", TrainingJson(report.training)},
                        {"maps",
@@ -209,9 +210,10 @@ std::string ReportText(const RunReport& report) {
   text.back() = '\n';
   AppendF(&text,
           "CPU time          %.1f s\n"
-          "Peak memory       %.2f GB (limit %.2f GB)\n",
+          "Peak memory       %.2f GB (expected %.2f GB, limit %.2f GB)\n",
           totals.cpu_seconds,
           report.peak_memory / kBytesPerGb,
+          report.expected_memory / kBytesPerGb,
           report.memory_limit / kBytesPerGb);
   for (const std::string& warning : report.warnings) {
     text += "Warning           " + warning + "\n";

@@ -31,8 +31,9 @@ struct RunReport {
   int num_points3D = 0;
   int training_image_size = 0;  // longest side in pixels
   std::vector<StageReport> stages;
-  size_t memory_limit = 0;  // bytes
-  size_t peak_memory = 0;   // bytes
+  size_t memory_limit = 0;     // bytes
+  size_t expected_memory = 0;  // bytes, planned before the start
+  size_t peak_memory = 0;      // bytes
   TrainingSummary training;
   size_t num_completed_pixels = 0;  // put onto planes, of all views
   std::vector<ViewReport> views;

@@ -175,6 +175,7 @@ void StructNerfController::CheckInput() {
   memory_plan_ = PlanMemory(options_, cameras);
   options_.reconstruction.training.max_image_size = memory_plan_.max_image_size;
   report_.memory_limit = memory_plan_.limit;
+  report_.expected_memory = memory_plan_.expected;
   if (!memory_plan_.note.empty()) {
     progress_->Note(memory_plan_.note);
   }

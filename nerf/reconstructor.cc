@@ -25,8 +25,8 @@ namespace {
 
 // Bytes per pixel of a photograph: RGB in the scene; packed colours and grey
 // values in TrainingViews; label, mask and pixel list of segments; blankness;
-// depth and reliability for planes.
-constexpr size_t kBytesPerTrainingPixel = 3 + 4 + 2 + 4 + 1 + 4 + 1 + 4 + 1;
+// depth, reliability and label for planes.
+constexpr size_t kBytesPerTrainingPixel = 3 + 4 + 2 + 4 + 1 + 4 + 1 + 4 + 1 + 4;
 
 // Bytes per pixel of the maps of one view: depth, deviation, normal,
 // distinctness.

@@ -46,7 +46,8 @@ RunExpectation ExpectRun(const StructNerfOptions& options,
         " steps on images of " + std::to_string(plan.max_image_size) +
         " pixels. Expected: about " +
         DurationText(ExpectedSeconds(planned, cameras)) + " and " +
-        GbText(plan.needed) + " of memory (limit " + GbText(plan.limit) + ").";
+        GbText(plan.expected) + " of memory (limit " + GbText(plan.limit) +
+        ").";
     if (!plan.note.empty()) {
       expectation.text += " " + plan.note;
     }

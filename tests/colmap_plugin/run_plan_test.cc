@@ -47,6 +47,9 @@ TEST(PlanMemory, KeepsWhatFits) {
   EXPECT_EQ(plan.max_image_size, 500);
   EXPECT_EQ(plan.note, "");
   EXPECT_LT(plan.depth_map_bytes, plan.limit);
+  EXPECT_LT(plan.expected, plan.limit);
+  // Maps of more views are held at once, and fused.
+  EXPECT_GT(PlanMemory(options, MakeCameras(40)).expected, plan.expected);
 }
 
 TEST(PlanMemory, ReducesImagesAndSaysSo) {

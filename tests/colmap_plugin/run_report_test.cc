@@ -28,6 +28,7 @@ RunReport MakeReport() {
   report.training_image_size = 320;
   report.stages = {{"Training", 2, 3.5}, {"Fusing points", 1, 1}};
   report.memory_limit = size_t{4} << 30;
+  report.expected_memory = size_t{2} << 30;
   report.peak_memory = size_t{1} << 30;
   report.training.num_steps = 7;
   report.training.seconds = 2;
@@ -78,7 +79,7 @@ TEST(RunReport, TextIsAboutWhatPeopleAsk) {
   EXPECT_THAT(text, HasSubstr("150 of 400 (37.5 %), 60 (15.0 %)"));
   EXPECT_THAT(text, HasSubstr("123 (min_num_pixels 2)"));
   EXPECT_THAT(text, HasSubstr("3.0 s: Training 2.0 s; Fusing points 1.0 s"));
-  EXPECT_THAT(text, HasSubstr("1.00 GB (limit 4.00 GB)"));
+  EXPECT_THAT(text, HasSubstr("1.00 GB (expected 2.00 GB, limit 4.00 GB)"));
   EXPECT_THAT(text, HasSubstr("View b.png has no sparse points."));
   EXPECT_THAT(text, HasSubstr("DENSE"));
 }

@@ -299,6 +299,13 @@ TEST_F(RoomTest, RunsAgainOnItsWorkspaceOnlyWhenAllowed) {
   }
 }
 
+TEST_F(RoomTest, NeedsTheMemoryThatWasExpected) {
+  std::ifstream file(Dense() + "/structnerf/report.json");
+  const nlohmann::json memory = nlohmann::json::parse(file)["memory"];
+  const auto peak = memory["peak_bytes"].get<double>();
+  EXPECT_NEAR(memory["expected_bytes"].get<double>(), peak, 0.2 * peak);
+}
+
 TEST_F(RoomTest, StaysWithinItsMemory) {
   const ProgramResult result = RunProgram({"structnerf_dense",
                                            "--image_path",
