@@ -217,6 +217,9 @@ const std::vector<Command>& Commands() {
       {"structnerf_eval",
        "Errors of a dense workspace against ground truth and held-out images",
        RunStructNerfEval},
+      {"structnerf_render",
+       "Images, depth and normals of new views",
+       RunStructNerfRender},
       {"structnerf_tradeoff",
        "Time against error of several settings on your scene",
        RunStructNerfTradeoff}};

@@ -47,6 +47,13 @@ FieldViewer::FieldViewer(Scene scene,
 
 FieldViewer::~FieldViewer() = default;
 
+bool FieldViewer::Contains(const View& view) const {
+  const Eigen::Array3d position =
+      impl_->frame.FieldFromWorld(view.ProjectionCenter()).array();
+  return (position >= 0).all() &&
+         (position <= impl_->frame.extent.cast<double>().array()).all();
+}
+
 RenderedView FieldViewer::Render(const View& view,
                                  const int scene_view_idx,
                                  Progress* progress) const {

@@ -24,6 +24,9 @@ class FieldViewer {
               EngineFactory make_engine = MakeGridEngine);
   ~FieldViewer();
 
+  // Whether the camera is in the box that the field fills (nerf/scene_frame.h).
+  bool Contains(const View& view) const;
+
   // `view.image` may be empty. Throws Aborted if told to.
   //   scene_view_idx: the view of the scene whose latent code colour is to
   //     have, or, if training held it out, what TrainingOptions::latent_test

@@ -47,6 +47,24 @@ cv::Mat3b DepthPicture(const cv::Mat1f& depth,
   return picture;
 }
 
+cv::Mat3b NormalPicture(const std::vector<float>& normal,
+                        const int width,
+                        const int height) {
+  const size_t num_pixels = static_cast<size_t>(width) * height;
+  cv::Mat3b picture(height, width);
+  for (size_t i = 0; i < num_pixels; ++i) {
+    const float x = normal[i];
+    const float y = normal[num_pixels + i];
+    const float z = normal[2 * num_pixels + i];
+    picture(static_cast<int>(i / width), static_cast<int>(i % width)) =
+        x == 0 && y == 0 && z == 0 ? kNoValueColor
+                                   : cv::Vec3b(Level(0.5 - 0.5 * z),
+                                               Level(0.5 - 0.5 * y),
+                                               Level(0.5 + 0.5 * x));
+  }
+  return picture;
+}
+
 std::string PngDataUri(const cv::Mat3b& picture) {
   std::vector<uint8_t> data;
   if (!cv::imencode(".png", picture, data)) {

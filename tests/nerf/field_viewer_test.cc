@@ -112,6 +112,16 @@ TEST_F(FieldViewerTest, NormalsAreThoseOfTheDepth) {
   }
 }
 
+TEST_F(FieldViewerTest, KnowsWhichCamerasAreInTheBox) {
+  const FieldViewer viewer(scene_, options_, path_);
+  for (const View& view : scene_.views) {
+    EXPECT_TRUE(viewer.Contains(view));
+  }
+  View far = scene_.views[0];
+  far.cam_from_world_translation.z() += 100;
+  EXPECT_FALSE(viewer.Contains(far));
+}
+
 TEST_F(FieldViewerTest, RefusesAFieldOfAnotherSceneOrOtherOptions) {
   ReconstructionOptions other = options_;
   other.field.log2_table_size = 14;
