@@ -24,8 +24,10 @@ constexpr size_t kBytesPerPixel = 3 + 4 + 12 + 1;
 // pixel states.
 constexpr size_t kRowsPerTask = 10;
 
-// Fused point, its visibility list and their copies while they are gathered.
+// Fused point, its visibility list and their copies while they are gathered at
+// the end, and before that, what growing lists of them take.
 constexpr size_t kBytesPerPoint = 250;
+constexpr size_t kBytesPerGrowingPoint = 190;
 
 // Points that a pixel gives rise to, generously.
 constexpr double kPointsPerPixel = 0.1;
@@ -125,13 +127,14 @@ size_t EstimateFusionMemory(const colmap::mvs::StereoFusionOptions& options,
     max_queue_bytes =
         std::max(max_queue_bytes, width * height * (1 + height / kRowsPerTask));
   }
-  const size_t num_point_bytes =
-      static_cast<size_t>(num_pixels * kPointsPerPixel) * kBytesPerPoint;
+  const auto num_points = static_cast<size_t>(num_pixels * kPointsPerPixel);
   const size_t num_map_bytes =
       options.use_cache
           ? num_pixels + static_cast<size_t>(options.cache_size * kBytesPerGb)
           : num_pixels * kBytesPerPixel;
-  return num_map_bytes + num_point_bytes + max_queue_bytes;
+  return num_map_bytes +
+         std::max(max_queue_bytes + num_points * kBytesPerGrowingPoint,
+                  num_points * kBytesPerPoint);
 }
 
 std::string FitFusionIntoMemory(const std::vector<PinholeCamera>& cameras,
