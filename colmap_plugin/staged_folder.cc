@@ -1,5 +1,7 @@
 #include "colmap_plugin/staged_folder.h"
 
+#include "nerf/util/image_name.h"
+
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -92,6 +94,9 @@ void MoveBack(const fs::path& output_path, const fs::path& path) {
   const fs::path list_path = path / kNotesName / kCommitName;
   std::ifstream list(list_path, std::ios::binary);
   for (std::string file; std::getline(list, file, '\0');) {
+    if (!IsSafeImageName(file)) {
+      continue;  // no list of ours: it must not lead out of the folder
+    }
     if (!fs::exists(path / file) && fs::exists(output_path / file)) {
       fs::create_directories((path / file).parent_path());
       fs::rename(output_path / file, path / file);

@@ -159,6 +159,24 @@ TEST(StagedFolder, UndoesACommitThatWasKilled) {
   }
 }
 
+// Not even if somebody else has written the list.
+TEST(StagedFolder, UndoingMovesNothingFromOutside) {
+  const TempDir temp_dir;
+  const std::string output = temp_dir / "in/out";
+  WriteText(temp_dir / "precious", "precious");
+  fs::create_directory(temp_dir / "empty");
+  {
+    StagedFolder folder(output, /*resume=*/true);
+    std::ofstream(folder.NotesPath() + "/commit", std::ios::binary)
+        << "../../precious" << '\0' << temp_dir / "empty/file" << '\0';
+    folder.Keep();
+  }
+  StagedFolder::UndoCommit(output);
+  EXPECT_EQ(ReadText(temp_dir / "precious"), "precious");
+  EXPECT_TRUE(fs::exists(temp_dir / "empty"));
+  EXPECT_FALSE(fs::exists(temp_dir / "in/precious"));
+}
+
 // The second file cannot be moved to where a folder is.
 TEST(StagedFolder, ACommitThatFailsIsUndone) {
   const TempDir temp_dir;
