@@ -1,8 +1,6 @@
-// Each loss in float against its formula in double, over all depths that a
-// scene can have.
+// Losses between pixels, and those that training adds up, in float against
+// their formulas in double, over all depths that a scene can have.
 
-#include "nerf/losses/depth_likelihood.h"
-#include "nerf/losses/far_push.h"
 #include "nerf/losses/planar_loss.h"
 #include "nerf/losses/triple_product.h"
 #include "nerf/util/random.h"
@@ -10,6 +8,7 @@
 #include "tests/nerf/losses/patch_scene.h"
 #include "tests/nerf/train/objective_scene.h"
 #include "tests/stability/double_compositing.h"
+#include "tests/stability/loss_error.h"
 #include "tests/stability/stability_case.h"
 
 #include <algorithm>
@@ -23,31 +22,6 @@
 
 namespace structnerf {
 namespace {
-
-// Losses and gradients against double, both relative to the largest of a case.
-struct LossError {
-  double value = 0;
-  double gradient = 0;
-
-  std::string Text() const {
-    return "values within " + ShortNumber(value) + ", gradients within " +
-           ShortNumber(gradient) + " of double";
-  }
-};
-
-std::string Accept(const LossError& error,
-                   const double max_value,
-                   const double max_gradient,
-                   const std::string& more = "") {
-  RequireStable(error.value <= max_value && error.gradient <= max_gradient,
-                error.Text());
-  return error.Text() + more;
-}
-
-template <typename Function>
-double Slope(const Function& function, const double x, const double step) {
-  return (function(x + step) - function(x - step)) / (2 * step);
-}
 
 std::string MeasurePatchLoss() {
   TexturedPlane plane;
@@ -208,61 +182,6 @@ std::string MeasureTripleProduct() {
   return Accept(error, 1e-4, 1e-4);
 }
 
-std::string MeasureFarTerm() {
-  LossError error;
-  for (const int blankness : {0, 1, 128, 255}) {
-    for (double depth = 1e-30; depth < 1e30; depth *= 3) {
-      float d_depth = 0;
-      const float d = static_cast<float>(depth);
-      const double loss =
-          EvaluateFarPush(static_cast<uint8_t>(blankness), d, &d_depth);
-      const double weight = blankness / 255.0;
-      error.value = std::max(
-          error.value, std::abs(loss + weight * std::log(double{d})) / 70);
-      error.gradient =
-          std::max(error.gradient, std::abs(d_depth * double{d} + weight));
-    }
-  }
-  return Accept(error, 1e-6, 1e-6);
-}
-
-// Of a prior 0.3 units behind what is rendered, or as far as that is.
-std::string MeasureDepthLikelihood() {
-  constexpr float kUnit = 0.2f;
-  LossError error;
-  for (double depth = 1e-8; depth < 1e3; depth *= 1.5) {
-    for (const double deviation : {0.0, 1e-6, 1e-3, 1.0}) {
-      RayOutputs outputs = {};
-      outputs.depth[0] = static_cast<float>(depth);
-      outputs.depth_variance[0] =
-          static_cast<float>(std::pow(deviation * depth, 2));
-      PriorDepth prior;
-      prior.depth =
-          static_cast<float>(depth + std::min<double>(0.3 * kUnit, depth));
-      prior.deviation = 1e-9f;
-      RayGradients gradients = {};
-      const double loss = EvaluateDepthLikelihood(
-          prior, /*weight=*/1, kUnit, outputs, 0, &gradients);
-      const double offset = (double{outputs.depth[0]} - prior.depth) / kUnit;
-      const double variance =
-          double{outputs.depth_variance[0]} / kUnit / kUnit + 1e-6;
-      const auto relative = [](const double actual, const double expected) {
-        return std::abs(actual - expected) / (1 + std::abs(expected));
-      };
-      error.value = std::max(
-          error.value,
-          relative(loss, std::log(variance) + offset * offset / variance));
-      error.gradient = std::max(
-          {error.gradient,
-           relative(gradients.d_depth[0], 2 * offset / variance / kUnit),
-           relative(gradients.pull[0],
-                    (1 / variance - std::pow(offset / variance, 2)) *
-                        std::pow(outputs.depth[0] / kUnit, 2))});
-    }
-  }
-  return Accept(error, 1e-5, 1e-4);
-}
-
 // Colour and depth hints, as tiles report them.
 std::string MeasureColorLossAndHints() {
   ObjectiveScene scene;
@@ -377,9 +296,6 @@ std::vector<StabilityCase> LossCases() {
   return {{"patch loss: depths of 1e-6 to 1e12", MeasurePatchLoss},
           {"planar loss: depths of 1e-20 to 1e20", MeasurePlanarLoss},
           {"triple product: depths of 1e-10 to 1e10", MeasureTripleProduct},
-          {"far term: depths of 1e-30 to 1e30", MeasureFarTerm},
-          {"likelihood of depth priors: depths of 1e-8 to 1e3",
-           MeasureDepthLikelihood},
           {"colour, sparse and prior loss: depths of 1e-8 to 1e8",
            MeasureColorLossAndHints},
           {"sparse loss through compositing: any density",

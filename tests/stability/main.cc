@@ -30,6 +30,7 @@ int main(int argc, char** argv) {
                             structnerf::SparseModelCases(),
                             structnerf::KernelCases(),
                             structnerf::LossCases(),
+                            structnerf::DepthLossCases(),
                             structnerf::TrainingCases(),
 #ifdef STRUCTNERF_PROGRAM
                             structnerf::ProgramCases()

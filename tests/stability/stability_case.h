@@ -46,6 +46,7 @@ std::vector<StabilityCase> ImageCases();        // sizes, plain pixels
 std::vector<StabilityCase> SparseModelCases();  // outliers, errors, gaps
 std::vector<StabilityCase> KernelCases();       // overflow and underflow
 std::vector<StabilityCase> LossCases();         // float against double
+std::vector<StabilityCase> DepthLossCases();    // as above, of single rays
 std::vector<StabilityCase> ProgramCases();      // image files
 std::vector<StabilityCase> TrainingCases();     // rates and schedules
 
