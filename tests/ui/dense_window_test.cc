@@ -124,6 +124,25 @@ class DenseWindowTest : public testing::Test {
         kRunMilliseconds);
   }
 
+  // Whether COLMAP's own dense dialog finds maps of all images in a workspace.
+  bool IsFusionOffered(const std::string& workspace_path) const {
+    for (QWidget* widget : window_->Window().findChildren<QWidget*>()) {
+      if (dynamic_cast<colmap::DenseReconstructionWidget*>(widget) == nullptr) {
+        continue;
+      }
+      widget->findChild<QLineEdit*>(QString(), Qt::FindDirectChildrenOnly)
+          ->setText(QString::fromStdString(workspace_path));
+      QTest::qWait(200);
+      for (const auto* button : widget->findChildren<QPushButton*>()) {
+        if (button->text() == "Fusion") {
+          return button->isEnabled();
+        }
+      }
+    }
+    ADD_FAILURE() << "COLMAP's dialog was not found";
+    return false;
+  }
+
   // Answers the next message box, and keeps what it said.
   void AnswerMessage(const QMessageBox::StandardButton button) {
     QTimer::singleShot(50, [this, button]() {
@@ -258,6 +277,8 @@ TEST_F(DenseWindowTest, RunsToTheEndAndShowsTheResults) {
   map_viewer->hide();
   Tabs()->window()->hide();
   Screenshot(&window_->Window(), "cloud");
+  EXPECT_TRUE(IsFusionOffered(WorkspacePath()));
+  EXPECT_FALSE(IsFusionOffered(*temp_dir_ / "room"));
 }
 
 TEST_F(DenseWindowTest, ATimeLimitChoosesTheQuality) {
