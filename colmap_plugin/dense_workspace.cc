@@ -1,6 +1,5 @@
 #include "colmap_plugin/dense_workspace.h"
 
-#include "nerf/util/array_file.h"
 #include "nerf/util/whole_file.h"
 
 #include <algorithm>
@@ -19,6 +18,9 @@ namespace fs = std::filesystem;
 
 constexpr const char* kStereoFolders[] = {
     "depth_maps", "normal_maps", "consistency_graphs"};
+
+// In the report folder.
+constexpr const char* kConfidenceFolder = "confidence";
 
 // In the report folder. Depth, three of the normal, distinctness.
 constexpr const char* kMatchedFolder = "matched";
@@ -93,6 +95,7 @@ void DenseWorkspace::CreateFolders(
     for (const std::string& image_name : image_names) {
       fs::create_directories(
           fs::path(MatchedMapsPath(image_name)).parent_path());
+      fs::create_directories(fs::path(ConfidencePath(image_name)).parent_path());
     }
   } catch (const fs::filesystem_error& error) {
     throw std::runtime_error(
@@ -178,6 +181,24 @@ DenseMaps DenseWorkspace::ReadMatchedMaps(const std::string& image_name) const {
 
 void DenseWorkspace::RemoveMatchedMaps() const {
   fs::remove_all(fs::path(ReportFolder()) / kMatchedFolder);
+}
+
+std::string DenseWorkspace::ConfidencePath(
+    const std::string& image_name) const {
+  return (fs::path(ReportFolder()) / kConfidenceFolder / image_name).string() +
+         ".bin";
+}
+
+void DenseWorkspace::WriteConfidence(
+    const std::string& image_name,
+    const int width,
+    const int height,
+    const std::vector<float>& confidence) const {
+  WriteArrayFile(ConfidencePath(image_name), width, height, confidence);
+}
+
+FloatArray DenseWorkspace::ReadConfidence(const std::string& image_name) const {
+  return ReadArrayFile(ConfidencePath(image_name), /*num_planes=*/1);
 }
 
 void DenseWorkspace::WriteConsistencyGraph(

@@ -2,6 +2,7 @@
 
 #include "colmap_plugin/stereo_maps.h"
 #include "nerf/dense_maps.h"
+#include "nerf/util/array_file.h"
 
 #include <string>
 #include <vector>
@@ -63,6 +64,17 @@ class DenseWorkspace {
                         const DenseMaps& maps) const;
   DenseMaps ReadMatchedMaps(const std::string& image_name) const;
   void RemoveMatchedMaps() const;
+
+  // Probability that the photometric depth of each pixel is right
+  // (nerf/extract/confidence.h), in COLMAP's format of depth maps, in the
+  // report folder. ReadConfidence throws std::runtime_error if the file is
+  // damaged or missing.
+  std::string ConfidencePath(const std::string& image_name) const;
+  void WriteConfidence(const std::string& image_name,
+                       int width,
+                       int height,
+                       const std::vector<float>& confidence) const;
+  FloatArray ReadConfidence(const std::string& image_name) const;
 
   // `records[i].view_idxs` index the registered images in the model's order.
   void WriteConsistencyGraph(

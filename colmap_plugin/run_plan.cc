@@ -28,10 +28,10 @@ constexpr size_t kDenseBytesPerPixel = 6 * sizeof(float) + 3;
 // A decoded photograph and its conversion.
 constexpr size_t kDecodingBytesPerPixel = 2 * 3;
 
-// Both kinds of maps, those before planes are completed, and consistency graphs
-// that are about half full.
+// Both kinds of maps, those before planes are completed with distinctness,
+// confidence, and consistency graphs that are about half full.
 constexpr size_t kDiskBytesPerPixel =
-    3 * kStereoBytesPerPixel + sizeof(float) + 16;
+    3 * kStereoBytesPerPixel + 2 * sizeof(float) + 16;
 
 // Copies of the sparse model, stacks of threads, what the allocator keeps.
 constexpr size_t kOverheadBytes = size_t{64} << 20;

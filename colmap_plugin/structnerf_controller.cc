@@ -11,6 +11,8 @@
 #include "colmap_plugin/scene_converter.h"
 #include "colmap_plugin/undistorted_images.h"
 #include "nerf/engine/torch_factory.h"
+#include "nerf/extract/confidence.h"
+#include "nerf/extract/consistency.h"
 #include "nerf/scene_file.h"
 
 #include <algorithm>
@@ -277,6 +279,7 @@ void StructNerfController::LoadScene() {
   for (const View& view : scene.views) {
     scene_.views.push_back(PoseOf(view));
   }
+  extraction_ = FitToScene(method.extraction, scene);
   reconstructor_ = std::make_unique<Reconstructor>(
       std::move(scene), options_.reconstruction, MakeAnyEngine);
   for (const std::string& warning : reconstructor_->Warnings()) {
@@ -375,18 +378,24 @@ void StructNerfController::CompletePlanes() {
 
 void StructNerfController::CheckConsistency() {
   BeginStage("Checking consistency");
-  const ExtractionOptions extraction =
-      options_.reconstruction.extraction.FittedTo(image_names_.size());
+  ThreadPool pool(options_.reconstruction.training.num_threads);
   for (size_t i = 0; i < image_names_.size(); ++i) {
+    const std::string& name = image_names_[i];
     std::vector<int> required = source_views_[i];
     required.push_back(static_cast<int>(i));
     const std::vector<DenseMaps>& all_maps = depth_maps_->Require(required);
-    const auto records =
-        FindConsistentPixels(scene_, all_maps, i, source_views_[i], extraction);
+    const ViewConsistency consistency = structnerf::CheckConsistency(
+        scene_, all_maps, i, source_views_[i], extraction_, &pool);
 
     const DenseMaps& photometric = all_maps[i];
+    workspace_->WriteConfidence(
+        name,
+        photometric.width,
+        photometric.height,
+        EstimateConfidence(
+            scene_.views[i].camera, photometric, consistency.angles));
     std::vector<uint8_t> is_consistent(photometric.depth.size(), 0);
-    for (const ConsistencyRecord& record : records) {
+    for (const ConsistencyRecord& record : consistency.records) {
       is_consistent[record.row * photometric.width + record.col] = 1;
     }
     StereoMaps maps{photometric.width,
@@ -394,9 +403,9 @@ void StructNerfController::CheckConsistency() {
                     photometric.depth,
                     photometric.normal};
     maps.KeepOnly(is_consistent);
-    workspace_->WriteMaps(image_names_[i], MapType::kGeometric, maps);
+    workspace_->WriteMaps(name, MapType::kGeometric, maps);
     workspace_->WriteConsistencyGraph(
-        image_names_[i], maps.width, maps.height, records);
+        name, maps.width, maps.height, consistency.records);
     report_.views[i].num_geometric = maps.NumDepths();
     ReportFraction(i + 1, image_names_.size());
   }

@@ -108,6 +108,7 @@ class StructNerfController : public colmap::BaseController {
 
   // Cameras and poses only; the reconstructor has pixels and points.
   Scene scene_;
+  ExtractionOptions extraction_;  // fitted to the scene
   std::unique_ptr<Reconstructor> reconstructor_;
   std::vector<std::vector<int>> source_views_;
   std::unique_ptr<DepthMapCache> depth_maps_;

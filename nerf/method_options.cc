@@ -317,7 +317,13 @@ std::vector<OptionEntry> ExtractionEntries(ExtractionOptions* extraction) {
            &extraction->min_num_consistent,
            "Views that must confirm a pixel of the geometric maps",
            1,
-           1000}};
+           1000},
+          {"StructNeRF.min_triangulation_angle",
+           &extraction->min_triangulation_angle,
+           "Degrees between its ray and that of one of these views, where the "
+           "scene offers as much",
+           0,
+           180}};
 }
 
 // The error of a group of options as a sentence about "<prefix><field>".

@@ -164,14 +164,8 @@ bool ExtractionOptions::Check(std::string* error) const {
       .In("max_relative_depth_error", max_relative_depth_error, 0.0, 1.0)
       .In("max_reprojection_error", max_reprojection_error, 0.0, 1e6)
       .In("min_num_consistent", min_num_consistent, 1, 1000)
+      .In("min_triangulation_angle", min_triangulation_angle, 0.0, 180.0)
       .Report(error);
-}
-
-ExtractionOptions ExtractionOptions::FittedTo(const size_t num_views) const {
-  ExtractionOptions fitted = *this;
-  fitted.min_num_consistent =
-      std::min(min_num_consistent, static_cast<int>(num_views) - 1);
-  return fitted;
 }
 
 bool ReconstructionOptions::Check(std::string* error) const {

@@ -234,10 +234,12 @@ struct ExtractionOptions {
   // Views that must confirm a pixel for the geometric maps.
   int min_num_consistent = 2;
 
-  bool Check(std::string* error) const;
+  // Degrees between the ray of a pixel of the geometric maps and that of at
+  // least one view that confirms it (PatchMatch: 3, of every view). Less where
+  // the scene offers less, see FitToScene in nerf/extract/consistency.h.
+  double min_triangulation_angle = 4.0;
 
-  // For scenes of so many views, where only the others can confirm a pixel.
-  ExtractionOptions FittedTo(size_t num_views) const;
+  bool Check(std::string* error) const;
 };
 
 struct ReconstructionOptions {

@@ -89,13 +89,4 @@ class Reconstructor {
   std::unique_ptr<Impl> impl_;
 };
 
-// Views that confirm each pixel's depth (forward-backward reprojection, within
-// the limits of `options`), for one view given the maps of all.
-std::vector<ConsistencyRecord> FindConsistentPixels(
-    const Scene& scene,
-    const std::vector<DenseMaps>& maps,
-    size_t view_idx,
-    const std::vector<int>& source_view_idxs,
-    const ExtractionOptions& options);
-
 }  // namespace structnerf

@@ -29,9 +29,9 @@ void MapViewer::ShowMap(const QString& title,
   setWindowTitle(title);
   value_->clear();
   ShowPixmap(QPixmap::fromImage(
-      kind == Kind::kDepth
-          ? ImageFromDepth(maps_.width, maps_.height, maps_.depth)
-          : ImageFromNormal(maps_.width, maps_.height, maps_.normal)));
+      kind == Kind::kNormal
+          ? ImageFromNormal(maps_.width, maps_.height, maps_.normal)
+          : ImageFromDepth(maps_.width, maps_.height, maps_.depth)));
 }
 
 void MapViewer::ShowPhotograph(const QString& title, const QString& path) {
@@ -53,6 +53,9 @@ QString MapViewer::ValueText(const int col, const int row) const {
   }
   if (kind_ == Kind::kDepth) {
     return place + QString("depth %1").arg(maps_.depth[index]);
+  }
+  if (kind_ == Kind::kConfidence) {
+    return place + QString("confidence %1").arg(maps_.depth[index], 0, 'f', 2);
   }
   return place + QString("normal (%1, %2, %3)")
                      .arg(maps_.normal[index], 0, 'f', 3)

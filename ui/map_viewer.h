@@ -14,11 +14,11 @@ namespace structnerf {
 // the value under the cursor is written below.
 class MapViewer : public colmap::ImageViewerWidget {
  public:
-  enum class Kind { kDepth, kNormal };
+  enum class Kind { kDepth, kNormal, kConfidence };
 
   explicit MapViewer(QWidget* parent);
 
-  // Whatever was shown before is replaced.
+  // Whatever was shown before is replaced. Confidence comes in place of depth.
   void ShowMap(const QString& title, Kind kind, StereoMaps maps);
   void ShowPhotograph(const QString& title, const QString& path);
 

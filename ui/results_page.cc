@@ -61,6 +61,7 @@ ResultsPage::ResultsPage(ColmapLink* link, QWidget* parent)
   AddButton("Normal map", "normal_map", [this]() {
     OpenMap(MapViewer::Kind::kNormal);
   });
+  AddButton("Confidence", "confidence", [this]() { OpenConfidence(); });
   AddButton("Photograph", "photograph", [this]() { OpenPhotograph(); });
   row->addStretch(1);
   AddButton("Show cloud", "show_cloud", [this]() { ShowCloud(); });
@@ -132,6 +133,17 @@ void ResultsPage::OpenMap(const MapViewer::Kind kind) {
       kind,
       workspace_->ReadMaps(
           name, is_geometric ? MapType::kGeometric : MapType::kPhotometric));
+}
+
+void ResultsPage::OpenConfidence() {
+  const std::string name = ChosenImage();
+  if (!name.empty()) {
+    FloatArray confidence = workspace_->ReadConfidence(name);
+    map_viewer_->ShowMap(
+        QString("Confidence for %1").arg(QString::fromStdString(name)),
+        MapViewer::Kind::kConfidence,
+        {confidence.width, confidence.height, std::move(confidence.values), {}});
+  }
 }
 
 void ResultsPage::OpenPhotograph() {

@@ -32,6 +32,7 @@ class ResultsPage : public QWidget {
                          std::function<void()> action);
   void ShowCloud();
   void OpenMap(MapViewer::Kind kind);
+  void OpenConfidence();
   void OpenPhotograph();
 
   // Name of the chosen view's image; empty if none is chosen.

@@ -1,4 +1,5 @@
 #include "colmap_plugin/evaluation/evaluation_report.h"
+#include "nerf/extract/confidence.h"
 
 #include <nlohmann/json.hpp>
 
@@ -79,6 +80,21 @@ json MapsJson(const MapEvaluation& maps) {
           {"per_image", std::move(images)}};
 }
 
+json ConfidenceJson(const Reliability& confidence) {
+  json bins = json::array();
+  for (size_t bin = 0; bin < Reliability::kNumBins; ++bin) {
+    const bool is_known = confidence.NumPixels(bin) > 0;
+    bins.push_back(
+        {{"pixels", confidence.NumPixels(bin)},
+         {"predicted", KnownOrNull(confidence.MeanPrediction(bin), is_known)},
+         {"right", KnownOrNull(confidence.ShareRight(bin), is_known)}});
+  }
+  return {{"pixels", confidence.NumPixels()},
+          {"max_relative_error", kConfidentError},
+          {"calibration_error", confidence.CalibrationError()},
+          {"bins", std::move(bins)}};
+}
+
 json CloudJson(const CloudEvaluation& cloud,
                const CloudEvaluationOptions& options) {
   const CloudMetrics& metrics = cloud.metrics;
@@ -156,6 +172,9 @@ std::string EvaluationJson(const Evaluation& evaluation) {
   }
   for (const auto& [name, maps] : evaluation.maps) {
     object["maps"][name] = MapsJson(maps);
+  }
+  if (evaluation.confidence) {
+    object["confidence"] = ConfidenceJson(*evaluation.confidence);
   }
   if (evaluation.cloud) {
     object["cloud"] = CloudJson(*evaluation.cloud, options.cloud);

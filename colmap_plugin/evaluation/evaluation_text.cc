@@ -1,5 +1,6 @@
 #include "colmap_plugin/evaluation/evaluation_report.h"
 #include "colmap_plugin/text_output.h"
+#include "nerf/extract/confidence.h"
 
 namespace structnerf {
 namespace {
@@ -106,6 +107,30 @@ void AppendCloud(const CloudEvaluation& cloud,
   }
 }
 
+void AppendConfidence(const Reliability& confidence, std::string* text) {
+  AppendF(text,
+          "Confidence: %zu pixels, calibration error %.3f\n"
+          "  %-12s %10s %12s %17s\n",
+          confidence.NumPixels(),
+          confidence.CalibrationError(),
+          "confidence",
+          "pixels",
+          "predicted %",
+          FormatNumber("within %g %%", 100 * kConfidentError).c_str());
+  for (size_t bin = 0; bin < Reliability::kNumBins; ++bin) {
+    if (confidence.NumPixels(bin) > 0) {
+      const double width = 1.0 / Reliability::kNumBins;
+      AppendF(text,
+              "  %.1f to %.1f   %10zu %12.1f %17.1f\n",
+              bin * width,
+              (bin + 1) * width,
+              confidence.NumPixels(bin),
+              100 * confidence.MeanPrediction(bin),
+              100 * confidence.ShareRight(bin));
+    }
+  }
+}
+
 }  // namespace
 
 std::string EvaluationText(const Evaluation& evaluation) {
@@ -119,6 +144,9 @@ std::string EvaluationText(const Evaluation& evaluation) {
   }
   for (const auto& [name, maps] : evaluation.maps) {
     AppendMaps("Depth maps (" + name + ")", maps, &text);
+  }
+  if (evaluation.confidence) {
+    AppendConfidence(*evaluation.confidence, &text);
   }
   if (evaluation.cloud) {
     AppendCloud(*evaluation.cloud, evaluation.options.cloud, &text);

@@ -4,8 +4,10 @@
 #include "colmap_plugin/evaluation/pixel_lookup.h"
 #include "colmap_plugin/evaluation/workspace_maps.h"
 #include "colmap_plugin/input_check.h"
+#include "nerf/extract/confidence.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <stdexcept>
@@ -32,6 +34,7 @@ class Evaluator {
       for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
         EvaluateMaps(type);
       }
+      EvaluateConfidence();
       EvaluateFusedCloud();
       EvaluateHeldOutDepth();
     }
@@ -117,16 +120,68 @@ class Evaluator {
         maps->depth, source, offset, image_path, *truth_, &plane_stage);
   }
 
+  // Metres per unit from structure-from-motion, or from the maps; 0 = unknown.
+  double MetresPerUnit() const {
+    if (evaluation_.scale.metres_per_unit > 0 || evaluation_.maps.empty()) {
+      return evaluation_.scale.metres_per_unit;
+    }
+    return evaluation_.maps.begin()->second.depth.predictions_metres_per_unit;
+  }
+
+  void EvaluateConfidence() {
+    const WorkspaceMaps maps(
+        workspace_, workspace_model_, MapType::kPhotometric);
+    StageProgress stage("Evaluating confidence", progress_);
+    const double metres_per_unit = MetresPerUnit();
+    Reliability reliability;
+    size_t num_done = 0;
+    for (const std::string& name : truth_->Names()) {
+      const std::optional<PredictedDepth> predicted = maps.Find(name);
+      if (predicted && fs::exists(workspace_.ConfidencePath(name))) {
+        AddReliability(name, *predicted, metres_per_unit, &reliability);
+      }
+      stage.Report(++num_done, truth_->Names().size());
+    }
+    if (reliability.NumPixels() > 0) {
+      evaluation_.confidence = reliability;
+    }
+  }
+
+  void AddReliability(const std::string& name,
+                      const PredictedDepth& predicted,
+                      const double metres_per_unit,
+                      Reliability* reliability) {
+    FloatArray array = workspace_.ReadConfidence(name);
+    if (array.width != predicted.depth.cols ||
+        array.height != predicted.depth.rows) {
+      throw std::runtime_error("The depth map and the confidence of " + name +
+                               " have different sizes.");
+    }
+    const cv::Mat1f truth = truth_->Depth(name);
+    const cv::Mat2d& rays = truth_->Rays(name, truth.size());
+    const cv::Mat1f depth = LookUp(rays, predicted.camera, predicted.depth);
+    const cv::Mat1f confidence =
+        LookUp(rays,
+               predicted.camera,
+               cv::Mat1f(array.height, array.width, array.values.data()));
+    for (int row = 0; row < truth.rows; ++row) {
+      for (int col = 0; col < truth.cols; ++col) {
+        if (truth(row, col) > 0 && depth(row, col) > 0) {
+          const double ratio =
+              metres_per_unit * depth(row, col) / truth(row, col);
+          reliability->Add(confidence(row, col),
+                           std::abs(ratio - 1) <= kConfidentError);
+        }
+      }
+    }
+  }
+
   void EvaluateFusedCloud() {
     if (!fs::exists(workspace_.FusedPath())) {
       Note("The workspace has no fused.ply.");
       return;
     }
-    double metres_per_unit = evaluation_.scale.metres_per_unit;
-    if (metres_per_unit == 0 && !evaluation_.maps.empty()) {
-      metres_per_unit =
-          evaluation_.maps.begin()->second.depth.predictions_metres_per_unit;
-    }
+    const double metres_per_unit = MetresPerUnit();
     if (metres_per_unit == 0) {
       Note("The cloud was not evaluated, because its scale is not known.");
       return;

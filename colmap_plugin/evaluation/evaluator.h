@@ -4,6 +4,7 @@
 #include "colmap_plugin/evaluation/depth_evaluation.h"
 #include "colmap_plugin/evaluation/held_out_evaluation.h"
 #include "colmap_plugin/evaluation/plane_evaluation.h"
+#include "colmap_plugin/evaluation/reliability.h"
 #include "colmap_plugin/run_progress.h"
 
 #include <map>
@@ -44,6 +45,9 @@ struct Evaluation {
 
   // "photometric", "geometric": the workspace's maps against the truth.
   std::map<std::string, MapEvaluation> maps;
+
+  // Of the confidence of the photometric maps, in ours.
+  std::optional<Reliability> confidence;
 
   // Of fused.ply.
   std::optional<CloudEvaluation> cloud;

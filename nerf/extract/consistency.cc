@@ -1,8 +1,11 @@
-#include "nerf/reconstructor.h"
+#include "nerf/extract/consistency.h"
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <utility>
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 
 namespace structnerf {
@@ -76,53 +79,138 @@ bool Confirms(const PixelTransfer& forward,
          options.max_reprojection_error * options.max_reprojection_error;
 }
 
+// Angle in degrees under which the point at `in_reference` is seen from the
+// reference camera and from `center`, both in the reference camera's frame.
+double AngleBetweenRays(const Eigen::Vector3d& in_reference,
+                        const Eigen::Vector3d& center) {
+  const Eigen::Vector3d from_center = in_reference - center;
+  const double sine = in_reference.cross(from_center).norm();
+  return std::atan2(sine, in_reference.dot(from_center)) * 180.0 / M_PI;
+}
+
+// A source view, as seen from the view that is checked.
+struct Source {
+  Source(const Scene& scene,
+         const std::vector<DenseMaps>& all_maps,
+         const size_t reference_idx,
+         const int idx)
+      : view_idx(idx),
+        forward(scene.views[reference_idx], scene.views[idx]),
+        backward(scene.views[idx], scene.views[reference_idx]),
+        maps(&all_maps[idx]) {
+    const View& reference = scene.views[reference_idx];
+    center = reference.cam_from_world_rotation *
+                 scene.views[idx].ProjectionCenter() +
+             reference.cam_from_world_translation;
+  }
+
+  int view_idx;
+  PixelTransfer forward;
+  PixelTransfer backward;
+  const DenseMaps* maps;
+  Eigen::Vector3d center;  // in the reference camera's frame
+};
+
+// Largest angle between any two rays that see a sparse point, in degrees.
+double WidestAngle(const SparsePoint& point,
+                   const std::vector<Eigen::Vector3d>& centers) {
+  double widest = 0;
+  for (size_t i = 0; i < point.track.size(); ++i) {
+    const Eigen::Vector3d& center = centers[point.track[i].view_idx];
+    for (size_t j = i + 1; j < point.track.size(); ++j) {
+      widest = std::max(
+          widest,
+          AngleBetweenRays(point.xyz - center,
+                           centers[point.track[j].view_idx] - center));
+    }
+  }
+  return widest;
+}
+
 }  // namespace
 
-std::vector<ConsistencyRecord> FindConsistentPixels(
-    const Scene& scene,
-    const std::vector<DenseMaps>& maps,
-    const size_t view_idx,
-    const std::vector<int>& source_view_idxs,
-    const ExtractionOptions& options) {
-  std::vector<int> sources = source_view_idxs;
-  std::sort(sources.begin(), sources.end());
-  std::vector<PixelTransfer> forward;
-  std::vector<PixelTransfer> backward;
-  for (const int source : sources) {
-    forward.emplace_back(scene.views[view_idx], scene.views[source]);
-    backward.emplace_back(scene.views[source], scene.views[view_idx]);
+ViewConsistency CheckConsistency(const Scene& scene,
+                                 const std::vector<DenseMaps>& maps,
+                                 const size_t view_idx,
+                                 const std::vector<int>& source_view_idxs,
+                                 const ExtractionOptions& options,
+                                 ThreadPool* pool) {
+  std::vector<int> ascending = source_view_idxs;
+  std::sort(ascending.begin(), ascending.end());
+  std::vector<Source> sources;
+  for (const int source_idx : ascending) {
+    sources.emplace_back(scene, maps, view_idx, source_idx);
   }
   const DenseMaps& reference = maps[view_idx];
-  std::vector<ConsistencyRecord> records;
-  ConsistencyRecord record;
-  for (int row = 0; row < reference.height; ++row) {
+  const Eigen::Matrix3d ray_from_pixel =
+      scene.views[view_idx].camera.CalibrationMatrix().inverse();
+  ViewConsistency consistency;
+  consistency.angles.assign(reference.depth.size(), 0.0f);
+  std::vector<std::vector<ConsistencyRecord>> rows(reference.height);
+  pool->ParallelFor(rows.size(), [&](const size_t item, int) {
+    const int row = static_cast<int>(item);
+    ConsistencyRecord record;
+    record.row = row;
     for (int col = 0; col < reference.width; ++col) {
-      const double depth =
-          reference.depth[static_cast<size_t>(row) * reference.width + col];
+      const size_t pixel = static_cast<size_t>(row) * reference.width + col;
+      const double depth = reference.depth[pixel];
       if (depth <= 0) {
         continue;
       }
+      const Eigen::Vector3d in_reference =
+          depth * (ray_from_pixel * Eigen::Vector3d(col, row, 1));
+      double angle = 0;
+      record.col = col;
       record.view_idxs.clear();
-      for (size_t i = 0; i < sources.size(); ++i) {
-        if (Confirms(forward[i],
-                     backward[i],
-                     maps[sources[i]],
+      for (const Source& source : sources) {
+        if (Confirms(source.forward,
+                     source.backward,
+                     *source.maps,
                      col,
                      row,
                      depth,
                      options)) {
-          record.view_idxs.push_back(sources[i]);
+          record.view_idxs.push_back(source.view_idx);
+          angle =
+              std::max(angle, AngleBetweenRays(in_reference, source.center));
         }
       }
+      consistency.angles[pixel] = static_cast<float>(angle);
       if (static_cast<int>(record.view_idxs.size()) >=
-          options.min_num_consistent) {
-        record.col = col;
-        record.row = row;
-        records.push_back(record);
+              options.min_num_consistent &&
+          angle >= options.min_triangulation_angle) {
+        rows[item].push_back(record);
       }
     }
+  });
+  for (std::vector<ConsistencyRecord>& row : rows) {
+    std::move(row.begin(), row.end(), std::back_inserter(consistency.records));
   }
-  return records;
+  return consistency;
+}
+
+ExtractionOptions FitToScene(const ExtractionOptions& options,
+                             const Scene& scene) {
+  ExtractionOptions fitted = options;
+  fitted.min_num_consistent = std::min(
+      options.min_num_consistent, static_cast<int>(scene.views.size()) - 1);
+  std::vector<Eigen::Vector3d> centers;
+  for (const View& view : scene.views) {
+    centers.push_back(view.ProjectionCenter());
+  }
+  std::vector<double> angles;
+  for (const SparsePoint& point : scene.points) {
+    if (point.track.size() >= 2) {
+      angles.push_back(WidestAngle(point, centers));
+    }
+  }
+  if (!angles.empty()) {
+    const auto median = angles.begin() + angles.size() / 2;
+    std::nth_element(angles.begin(), median, angles.end());
+    fitted.min_triangulation_angle =
+        std::min(options.min_triangulation_angle, 0.5 * *median);
+  }
+  return fitted;
 }
 
 }  // namespace structnerf

@@ -1,6 +1,7 @@
 #include "nerf/tools/maps_folder.h"
 
 #include "nerf/engine/torch_factory.h"
+#include "nerf/extract/consistency.h"
 #include "nerf/util/array_file.h"
 
 #include <algorithm>
@@ -137,6 +138,7 @@ MapsSummary ReconstructIntoFolder(
     pose.image.height = view.image.height;
     pose.mask = view.mask;
   }
+  const ExtractionOptions extraction = FitToScene(options.extraction, scene);
   Reconstructor reconstructor(std::move(scene), options, MakeAnyEngine);
   for (const std::string& warning : reconstructor.Warnings()) {
     warn(warning);
@@ -148,8 +150,7 @@ MapsSummary ReconstructIntoFolder(
   const auto begin = std::chrono::steady_clock::now();
   const std::vector<DenseMaps> all_maps =
       RenderMaps(poses.views, &reconstructor, progress);
-  const ExtractionOptions extraction =
-      options.extraction.FittedTo(poses.views.size());
+  ThreadPool pool(options.training.num_threads);
   for (size_t i = 0; i < all_maps.size(); ++i) {
     const std::string& name = poses.views[i].name;
     DenseMaps maps = all_maps[i];
@@ -157,8 +158,14 @@ MapsSummary ReconstructIntoFolder(
     summary.num_pixels += maps.depth.size();
     summary.num_photometric += NumDepths(maps);
     std::vector<uint8_t> is_consistent(maps.depth.size(), 0);
-    for (const ConsistencyRecord& record : FindConsistentPixels(
-             poses, all_maps, i, reconstructor.SourceViews()[i], extraction)) {
+    const ViewConsistency consistency =
+        CheckConsistency(poses,
+                         all_maps,
+                         i,
+                         reconstructor.SourceViews()[i],
+                         extraction,
+                         &pool);
+    for (const ConsistencyRecord& record : consistency.records) {
       is_consistent[record.row * maps.width + record.col] = 1;
     }
     KeepOnly([&](const size_t pixel) { return is_consistent[pixel] != 0; },

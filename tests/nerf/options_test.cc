@@ -117,6 +117,7 @@ std::vector<Setting> AllowedSettings() {
       SETTING(extraction, max_relative_depth_error, 1.0),
       SETTING(extraction, max_reprojection_error, 0.0),
       SETTING(extraction, min_num_consistent, 1),
+      SETTING(extraction, min_triangulation_angle, 0.0),
   };
 }
 
@@ -214,6 +215,7 @@ std::vector<Setting> ForbiddenSettings() {
       SETTING(extraction, max_relative_depth_error, 1.1),
       SETTING(extraction, max_reprojection_error, -1.0),
       SETTING(extraction, min_num_consistent, 0),
+      SETTING(extraction, min_triangulation_angle, -1.0),
   };
 }
 

@@ -274,6 +274,8 @@ TEST_F(DenseWindowTest, RunsToTheEndAndShowsTheResults) {
   Screenshot(map_viewer, "depth_map");
   Click("normal_map");
   Screenshot(map_viewer, "normal_map");
+  Click("confidence");
+  Screenshot(map_viewer, "confidence");
   map_viewer->hide();
   Tabs()->window()->hide();
   Screenshot(&window_->Window(), "cloud");

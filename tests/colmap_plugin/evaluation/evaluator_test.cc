@@ -122,6 +122,30 @@ TEST_F(EvaluatorTest, ImagesWithoutTruthAreCounted) {
   EXPECT_THAT(evaluation.notes, Contains(HasSubstr("1 registered image")));
 }
 
+TEST_F(EvaluatorTest, ConfidenceIsComparedWithTheError) {
+  WriteMaps("0.png", 4.1f);  // 2.5 % too far, which counts as right
+  WriteMaps("1.png", 4.3f);  // 7.5 %
+  WriteMaps("2.png", 4);
+  workspace_.WriteConfidence(
+      "0.png", 64, 48, std::vector<float>(64 * 48, 0.85f));
+  workspace_.WriteConfidence(
+      "1.png", 64, 48, std::vector<float>(64 * 48, 0.35f));
+  const Evaluation evaluation = Evaluate(options_, &progress_);
+  ASSERT_TRUE(evaluation.confidence.has_value());
+  EXPECT_EQ(evaluation.confidence->NumPixels(), 2 * 64 * 48);
+  EXPECT_EQ(evaluation.confidence->ShareRight(8), 1);
+  EXPECT_EQ(evaluation.confidence->ShareRight(3), 0);
+  EXPECT_NEAR(evaluation.confidence->CalibrationError(), 0.25, 1e-6);
+  EXPECT_THAT(EvaluationText(evaluation),
+              HasSubstr("calibration error 0.250"));
+  const auto json = nlohmann::json::parse(EvaluationJson(evaluation));
+  EXPECT_EQ(json["confidence"]["bins"][8]["right"], 1);
+  EXPECT_TRUE(json["confidence"]["bins"][0]["right"].is_null());
+
+  workspace_.WriteConfidence("1.png", 2, 2, std::vector<float>(4, 0.35f));
+  EXPECT_THAT(Error(), HasSubstr("1.png have different sizes"));
+}
+
 TEST_F(EvaluatorTest, CloudIsMeasuredInMetres) {
   std::vector<colmap::PlyPoint> points;
   for (int i = 0; i < 400; ++i) {

@@ -1,8 +1,11 @@
-#include "nerf/reconstructor.h"
+#include "nerf/extract/consistency.h"
 #include "tests/nerf/plane_scene.h"
 
+#include <cmath>
 #include <map>
 #include <vector>
+
+#include <Eigen/LU>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -53,12 +56,16 @@ struct PlaneMaps {
     return maps[view_idx].depth[row * maps[view_idx].width + col];
   }
 
+  ViewConsistency Check(const std::vector<int>& sources) const {
+    ThreadPool pool(2);
+    return CheckConsistency(scene, maps, 0, sources, options, &pool);
+  }
+
   // View indices by pixel.
   std::map<std::pair<int, int>, std::vector<int>> Find(
       const std::vector<int>& sources) const {
     std::map<std::pair<int, int>, std::vector<int>> found;
-    for (const ConsistencyRecord& record :
-         FindConsistentPixels(scene, maps, 0, sources, options)) {
+    for (const ConsistencyRecord& record : Check(sources).records) {
       found[{record.col, record.row}] = record.view_idxs;
     }
     return found;
@@ -67,10 +74,17 @@ struct PlaneMaps {
   TexturedPlane plane;
   Scene scene;
   std::vector<DenseMaps> maps;
-  ExtractionOptions options;
+  ExtractionOptions options = AnyAngle();
+
+ private:
+  static ExtractionOptions AnyAngle() {
+    ExtractionOptions options;
+    options.min_triangulation_angle = 0;
+    return options;
+  }
 };
 
-TEST(FindConsistentPixels, ViewsOfAPlaneConfirmEachOther) {
+TEST(CheckConsistency, ViewsOfAPlaneConfirmEachOther) {
   PlaneMaps test({0, 0.5, -0.4});
   test.options.min_num_consistent = 1;
   // Rounding to the nearest pixel of the other view moves a slanted plane a
@@ -117,7 +131,7 @@ TEST(FindConsistentPixels, ViewsOfAPlaneConfirmEachOther) {
   EXPECT_GT(num_seen, kWidth * kHeight / 2);
 }
 
-TEST(FindConsistentPixels, AsManyViewsAsAskedFor) {
+TEST(CheckConsistency, AsManyViewsAsAskedFor) {
   PlaneMaps test({0, 0.1, -0.1, 0.2});
   const std::pair<int, int> middle(20, 15);
   for (int min_num_consistent = 1; min_num_consistent <= 3;
@@ -135,10 +149,10 @@ TEST(FindConsistentPixels, AsManyViewsAsAskedFor) {
   EXPECT_THAT(test.Find({1, 3})[middle], ElementsAre(1, 3));
 }
 
-TEST(FindConsistentPixels, RecordsComeRowByRow) {
+TEST(CheckConsistency, RecordsComeRowByRow) {
   PlaneMaps test({0, 0.1, -0.1});
   const std::vector<ConsistencyRecord> records =
-      FindConsistentPixels(test.scene, test.maps, 0, {1, 2}, test.options);
+      test.Check({1, 2}).records;
   ASSERT_GT(records.size(), 100u);
   for (size_t i = 1; i < records.size(); ++i) {
     EXPECT_LT(records[i - 1].row * kWidth + records[i - 1].col,
@@ -146,7 +160,7 @@ TEST(FindConsistentPixels, RecordsComeRowByRow) {
   }
 }
 
-TEST(FindConsistentPixels, OutliersAndHolesAreNotConfirmed) {
+TEST(CheckConsistency, OutliersAndHolesAreNotConfirmed) {
   PlaneMaps test({0, 0.1, -0.1});
   test.Depth(0, 20, 15) *= 1.1f;
   test.Depth(0, 21, 15) *= 0.9f;
@@ -158,7 +172,7 @@ TEST(FindConsistentPixels, OutliersAndHolesAreNotConfirmed) {
   EXPECT_EQ(found.count({23, 15}), 1u);
 }
 
-TEST(FindConsistentPixels, OccludedPixelsAreNotConfirmed) {
+TEST(CheckConsistency, OccludedPixelsAreNotConfirmed) {
   PlaneMaps test({0, 0.1, -0.1});
   // Something stands in front of half of view 1; view 2 has no depth there.
   for (int row = 0; row < test.maps[1].height; ++row) {
@@ -173,7 +187,7 @@ TEST(FindConsistentPixels, OccludedPixelsAreNotConfirmed) {
   EXPECT_THAT(found.at({32, 15}), ElementsAre(1, 2));
 }
 
-TEST(FindConsistentPixels, PointsBehindASourceAreNotConfirmed) {
+TEST(CheckConsistency, PointsBehindASourceAreNotConfirmed) {
   PlaneMaps test({0, 0.1});
   // Behind the wall, looking on; its map holds the negative of the truth.
   test.AddView(MakeView("behind", test.scene.views[0].camera, {0, 0, 8}));
@@ -187,7 +201,7 @@ TEST(FindConsistentPixels, PointsBehindASourceAreNotConfirmed) {
   }
 }
 
-TEST(FindConsistentPixels, DepthErrorLimit) {
+TEST(CheckConsistency, DepthErrorLimit) {
   PlaneMaps test({0, 0.1});
   test.plane.normal = {0, 0, -1};
   test.options.min_num_consistent = 1;
@@ -210,7 +224,7 @@ TEST(FindConsistentPixels, DepthErrorLimit) {
   }
 }
 
-TEST(FindConsistentPixels, ReprojectionErrorLimit) {
+TEST(CheckConsistency, ReprojectionErrorLimit) {
   PlaneMaps test({0, 0.1});
   Scene scene;
   // A wide baseline: 1 % of depth is 50 * 2 / 4 * 0.01 = 0.25 pixels.
@@ -233,6 +247,65 @@ TEST(FindConsistentPixels, ReprojectionErrorLimit) {
   EXPECT_EQ(test.Find({1}).count({20, 15}), 1u);
   test.options.max_reprojection_error = 0.1;
   EXPECT_EQ(test.Find({1}).count({20, 15}), 0u);
+}
+
+// What view 0 sees at pixel (20, 15).
+Eigen::Vector3d PointAtMiddle(const PlaneMaps& test) {
+  const View& view = test.scene.views[0];
+  return view.cam_from_world_rotation.transpose() *
+         (test.plane.Depth(view, 20, 15) *
+              view.camera.CalibrationMatrix().inverse() *
+              Eigen::Vector3d(20, 15, 1) -
+          view.cam_from_world_translation);
+}
+
+// Between the rays of view 0 and of a source to that point, in degrees.
+double AngleAtMiddle(const PlaneMaps& test, const int source) {
+  const Eigen::Vector3d point = PointAtMiddle(test);
+  const Eigen::Vector3d ray1 = point - test.scene.views[0].ProjectionCenter();
+  const Eigen::Vector3d ray2 =
+      point - test.scene.views[source].ProjectionCenter();
+  return std::acos(ray1.normalized().dot(ray2.normalized())) * 180 / M_PI;
+}
+
+TEST(CheckConsistency, AnglesAreThoseOfTheWidestConfirmation) {
+  PlaneMaps test({0, 0.1, -0.3});
+  const size_t middle = 15 * kWidth + 20;
+  EXPECT_NEAR(test.Check({1}).angles[middle], AngleAtMiddle(test, 1), 1e-4);
+  EXPECT_NEAR(test.Check({1, 2}).angles[middle], AngleAtMiddle(test, 2), 1e-4);
+  // A view that does not confirm does not count.
+  for (float& depth : test.maps[2].depth) {
+    depth *= 1.1f;
+  }
+  EXPECT_NEAR(test.Check({1, 2}).angles[middle], AngleAtMiddle(test, 1), 1e-4);
+  EXPECT_EQ(test.Check({2}).angles[middle], 0);
+}
+
+TEST(CheckConsistency, OneConfirmationMustBeWideEnough) {
+  PlaneMaps test({0, 0.1, -0.3});
+  const std::pair<int, int> middle(20, 15);
+  test.options.min_triangulation_angle = AngleAtMiddle(test, 2) - 0.01;
+  EXPECT_THAT(test.Find({1, 2})[middle], ElementsAre(1, 2));
+  test.options.min_triangulation_angle = AngleAtMiddle(test, 2) + 0.01;
+  EXPECT_EQ(test.Find({1, 2}).count(middle), 0);
+}
+
+TEST(FitToScene, AsksForNoMoreThanTheSceneOffers) {
+  PlaneMaps test({0, 0.1, -0.3});
+  test.options.min_triangulation_angle = 4;
+  test.options.min_num_consistent = 3;
+  SparsePoint point;
+  point.xyz = PointAtMiddle(test);
+  // Points that were found once say nothing about angles.
+  point.track = {{0, {20, 15}}};
+  test.scene.points.assign(5, point);
+  EXPECT_EQ(FitToScene(test.options, test.scene).min_triangulation_angle, 4);
+  point.track = {{0, {20, 15}}, {1, {20, 15}}};
+  test.scene.points.push_back(point);
+  const ExtractionOptions fitted = FitToScene(test.options, test.scene);
+  EXPECT_NEAR(
+      fitted.min_triangulation_angle, 0.5 * AngleAtMiddle(test, 1), 1e-6);
+  EXPECT_EQ(fitted.min_num_consistent, 2);
 }
 
 }  // namespace

@@ -1,0 +1,40 @@
+#pragma once
+
+#include "nerf/dense_maps.h"
+#include "nerf/options.h"
+#include "nerf/scene.h"
+#include "nerf/util/thread_pool.h"
+
+#include <vector>
+
+namespace structnerf {
+
+// What other views say about the depth of a view's pixels.
+struct ViewConsistency {
+  // The pixels that are confirmed as well as the options ask for, row by row.
+  std::vector<ConsistencyRecord> records;
+
+  // The largest angle, in degrees, between the ray of a pixel and that of a
+  // view that confirms it; 0 = none does. The depth of a point that is seen
+  // under a small angle says little: errors of poses and of matching grow with
+  // its inverse, and a wrong depth looks right to both. Row-major.
+  std::vector<float> angles;
+};
+
+// A source confirms a pixel if its own depth there agrees and the pixel comes
+// back (forward-backward reprojection, within the limits of `options`). `maps`:
+// of all views; those of the view and of its sources must be present.
+ViewConsistency CheckConsistency(const Scene& scene,
+                                 const std::vector<DenseMaps>& maps,
+                                 size_t view_idx,
+                                 const std::vector<int>& source_view_idxs,
+                                 const ExtractionOptions& options,
+                                 ThreadPool* pool);
+
+// The options for a scene that offers less than they ask for: at most all other
+// views must confirm a pixel, and under at most half the median of the angles
+// under which its sparse points are seen.
+ExtractionOptions FitToScene(const ExtractionOptions& options,
+                             const Scene& scene);
+
+}  // namespace structnerf

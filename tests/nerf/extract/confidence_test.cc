@@ -1,0 +1,95 @@
+#include "nerf/extract/confidence.h"
+
+#include "tests/nerf/plane_scene.h"
+
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace structnerf {
+namespace {
+
+constexpr int kWidth = 40;
+constexpr int kHeight = 30;
+
+DenseMaps ConstantDepth(const float depth) {
+  DenseMaps maps;
+  maps.width = kWidth;
+  maps.height = kHeight;
+  maps.depth.assign(kWidth * kHeight, depth);
+  return maps;
+}
+
+std::vector<float> ConstantAngle(const float angle) {
+  return std::vector<float>(kWidth * kHeight, angle);
+}
+
+TEST(EstimateConfidence, GrowsWithTheAngle) {
+  const PinholeCamera camera = MakeCamera(kWidth, kHeight, 50);
+  const DenseMaps maps = ConstantDepth(2);
+  float last = 0;
+  for (const float angle : {1.0f, 3.0f, 10.0f, 30.0f}) {
+    const float confidence =
+        EstimateConfidence(camera, maps, ConstantAngle(angle))[15 * kWidth];
+    EXPECT_GT(confidence, last + 0.02f);
+    EXPECT_LT(confidence, 1);
+    last = confidence;
+  }
+  // No view confirms it.
+  EXPECT_EQ(EstimateConfidence(camera, maps, ConstantAngle(0))[0],
+            EstimateConfidence(camera, maps, ConstantAngle(1))[0]);
+}
+
+TEST(EstimateConfidence, EdgesAreUncertain) {
+  const PinholeCamera camera = MakeCamera(kWidth, kHeight, 50);
+  DenseMaps maps = ConstantDepth(2);
+  for (int row = 0; row < kHeight; ++row) {
+    for (int col = 20; col < kWidth; ++col) {
+      maps.depth[row * kWidth + col] = 3;
+    }
+  }
+  const auto confidence = EstimateConfidence(camera, maps, ConstantAngle(10));
+  EXPECT_LT(confidence[15 * kWidth + 19] + 0.2f, confidence[15 * kWidth + 18]);
+  EXPECT_LT(confidence[15 * kWidth + 20] + 0.2f, confidence[15 * kWidth + 21]);
+}
+
+TEST(EstimateConfidence, DoesNotDependOnScaleOrResolution) {
+  DenseMaps maps = ConstantDepth(2);
+  DenseMaps scaled = ConstantDepth(2);
+  DenseMaps finer = ConstantDepth(2);
+  for (int row = 0; row < kHeight; ++row) {
+    for (int col = 0; col < kWidth; ++col) {
+      const size_t pixel = row * kWidth + col;
+      maps.depth[pixel] += 0.1f * col;
+      scaled.depth[pixel] = 1000 * maps.depth[pixel];
+      // The same slope around the first rows, on half as large pixels.
+      finer.depth[pixel] = 2 + 0.05f * (col + 20);
+    }
+  }
+  const size_t middle = 15 * kWidth + 20;
+  const float confidence = EstimateConfidence(MakeCamera(kWidth, kHeight, 50),
+                                              maps,
+                                              ConstantAngle(5))[middle];
+  EXPECT_NEAR(EstimateConfidence(MakeCamera(kWidth, kHeight, 50),
+                                 scaled,
+                                 ConstantAngle(5))[middle],
+              confidence,
+              1e-5);
+  EXPECT_NEAR(EstimateConfidence(MakeCamera(kWidth, kHeight, 100),
+                                 finer,
+                                 ConstantAngle(5))[middle],
+              confidence,
+              1e-5);
+}
+
+TEST(EstimateConfidence, NoDepthHasNone) {
+  DenseMaps maps = ConstantDepth(2);
+  maps.depth[7] = 0;
+  const auto confidence = EstimateConfidence(
+      MakeCamera(kWidth, kHeight, 50), maps, ConstantAngle(10));
+  EXPECT_EQ(confidence[7], 0);
+  EXPECT_GT(confidence[6], 0);
+}
+
+}  // namespace
+}  // namespace structnerf
