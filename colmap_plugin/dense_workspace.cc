@@ -95,7 +95,8 @@ void DenseWorkspace::CreateFolders(
     for (const std::string& image_name : image_names) {
       fs::create_directories(
           fs::path(MatchedMapsPath(image_name)).parent_path());
-      fs::create_directories(fs::path(ConfidencePath(image_name)).parent_path());
+      fs::create_directories(
+          fs::path(ConfidencePath(image_name)).parent_path());
     }
   } catch (const fs::filesystem_error& error) {
     throw std::runtime_error(

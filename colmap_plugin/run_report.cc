@@ -107,6 +107,10 @@ json TrainingJson(const TrainingSummary& training) {
   return {{"steps", training.num_steps},
           {"resumed_steps", training.num_resumed_steps},
           {"stopped_early", training.stopped_early},
+          {"steps_to_converge",
+           training.num_steps_to_converge >= 0
+               ? json(training.num_steps_to_converge)
+               : json()},
           {"final_loss", training.final_loss},
           {"held_out_psnr", training.held_out_psnr},
           {"seconds", training.seconds},
@@ -197,7 +201,9 @@ std::string ReportText(const RunReport& report) {
   AppendF(&text,
           "Training          %d steps%s, loss %.4f, %.2f M samples/s",
           report.training.num_steps,
-          report.training.stopped_early ? " (stopped early)" : "",
+          report.training.stopped_early                ? " (stopped early)"
+          : report.training.num_steps_to_converge >= 0 ? " (converged)"
+                                                       : "",
           report.training.final_loss,
           1e-6 * SamplesPerSecond(report.training));
   if (report.training.held_out_psnr >= 0) {

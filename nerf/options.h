@@ -173,6 +173,10 @@ struct TrainingOptions {
   // other: coarse shape first, so that few views do not fit noise.
   double coarse_to_fine_fraction = 0.2;
 
+  // Whether training hastens to its end once pixels that were held out of it
+  // have settled (nerf/train/convergence.h).
+  bool stop_when_converged = false;
+
   // Every how many views one is kept out of training to measure PSNR; 0 = none.
   int test_every = 0;
 

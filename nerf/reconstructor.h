@@ -20,6 +20,11 @@ struct TrainingSummary {
   int num_steps = 0;           // done
   int num_resumed_steps = 0;   // of these, done before it was interrupted
   bool stopped_early = false;  // asked to by Progress
+
+  // Steps until the held-out pixels had settled; -1 = they had not, or nobody
+  // asked (TrainingOptions::stop_when_converged).
+  int num_steps_to_converge = -1;
+
   double final_loss = -1;
   double held_out_psnr = -1;  // dB; -1 = no pixel was held out
   double seconds = 0;         // wall time

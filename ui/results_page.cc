@@ -142,7 +142,10 @@ void ResultsPage::OpenConfidence() {
     map_viewer_->ShowMap(
         QString("Confidence for %1").arg(QString::fromStdString(name)),
         MapViewer::Kind::kConfidence,
-        {confidence.width, confidence.height, std::move(confidence.values), {}});
+        {confidence.width,
+         confidence.height,
+         std::move(confidence.values),
+         {}});
   }
 }
 

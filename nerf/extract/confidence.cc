@@ -47,8 +47,8 @@ std::vector<float> EstimateConfidence(const PinholeCamera& camera,
       if (maps.depth[pixel] <= 0) {
         continue;
       }
-      const double angle = std::clamp(
-          static_cast<double>(angles[pixel]), kMinAngle, kMaxAngle);
+      const double angle =
+          std::clamp(static_cast<double>(angles[pixel]), kMinAngle, kMaxAngle);
       const double slope = std::clamp(
           LargestSlope(camera, maps, col, row), kMinSlope, kMaxSlope);
       const double logit = kIntercept + kByLogAngle * std::log(angle) +

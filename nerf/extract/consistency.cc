@@ -118,10 +118,10 @@ double WidestAngle(const SparsePoint& point,
   for (size_t i = 0; i < point.track.size(); ++i) {
     const Eigen::Vector3d& center = centers[point.track[i].view_idx];
     for (size_t j = i + 1; j < point.track.size(); ++j) {
-      widest = std::max(
-          widest,
-          AngleBetweenRays(point.xyz - center,
-                           centers[point.track[j].view_idx] - center));
+      widest =
+          std::max(widest,
+                   AngleBetweenRays(point.xyz - center,
+                                    centers[point.track[j].view_idx] - center));
     }
   }
   return widest;

@@ -158,13 +158,8 @@ MapsSummary ReconstructIntoFolder(
     summary.num_pixels += maps.depth.size();
     summary.num_photometric += NumDepths(maps);
     std::vector<uint8_t> is_consistent(maps.depth.size(), 0);
-    const ViewConsistency consistency =
-        CheckConsistency(poses,
-                         all_maps,
-                         i,
-                         reconstructor.SourceViews()[i],
-                         extraction,
-                         &pool);
+    const ViewConsistency consistency = CheckConsistency(
+        poses, all_maps, i, reconstructor.SourceViews()[i], extraction, &pool);
     for (const ConsistencyRecord& record : consistency.records) {
       is_consistent[record.row * maps.width + record.col] = 1;
     }

@@ -12,7 +12,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr FileFormat kFormat = {
-    {'S', 'N', 'C', 'H', 'E', 'C', 'K', '\0'}, /*version=*/1, "checkpoint"};
+    {'S', 'N', 'C', 'H', 'E', 'C', 'K', '\0'}, /*version=*/2, "checkpoint"};
 
 constexpr char kNewestName[] = "checkpoint.bin";
 constexpr char kOlderName[] = "checkpoint.older.bin";
@@ -45,9 +45,11 @@ void WriteState(const TrainingState& state, StateWriter* writer) {
   writer->WriteValue(state.mean_loss);
   writer->WriteValue(state.held_out_psnr);
   writer->WriteValue(state.next_psnr);
+  state.convergence.SaveState(writer);
   const TrainingSummary& summary = state.summary;
   writer->WriteValue(summary.num_steps);
   writer->WriteValue(summary.stopped_early);
+  writer->WriteValue(summary.num_steps_to_converge);
   writer->WriteValue(summary.seconds);
 }
 
@@ -58,9 +60,11 @@ TrainingState ReadState(StateReader* reader) {
   state.mean_loss = reader->ReadValue<double>();
   state.held_out_psnr = reader->ReadValue<double>();
   state.next_psnr = reader->ReadValue<double>();
+  state.convergence.LoadState(reader);
   TrainingSummary& summary = state.summary;
   summary.num_steps = reader->ReadValue<int>();
   summary.stopped_early = reader->ReadValue<uint8_t>() != 0;
+  summary.num_steps_to_converge = reader->ReadValue<int>();
   summary.seconds = reader->ReadValue<double>();
   return state;
 }

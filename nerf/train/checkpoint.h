@@ -4,6 +4,7 @@
 #include "nerf/engine/render_engine.h"
 #include "nerf/reconstructor.h"
 #include "nerf/scene.h"
+#include "nerf/train/convergence.h"
 #include "nerf/train/training_guards.h"
 
 #include <chrono>
@@ -18,6 +19,7 @@ struct TrainingState {
   double mean_loss = -1;
   double held_out_psnr = -1;
   double next_psnr = 0;  // share of the training at which it is measured next
+  ConvergenceMonitor convergence;
 };
 
 // The checkpoints of one training. Learning rates, level weights and the rays

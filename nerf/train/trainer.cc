@@ -16,7 +16,12 @@ constexpr int kReportInterval = 10;
 
 // Shares of the training between two PSNR measurements.
 constexpr double kPsnrInterval = 0.1;
+constexpr double kConvergenceInterval = 0.05;
 constexpr size_t kMaxTestPixels = 8192;
+
+// Steps of the schedule that one step stands for once training has converged:
+// learning rates still fall, which settles what is left.
+constexpr int kConvergedPace = 8;
 
 // Share of the training over which one level fades in.
 constexpr double kLevelFade = 0.02;
@@ -80,7 +85,9 @@ TrainingSummary Trainer::Run(Progress* progress,
   }
 
   TrainingState state;
-  state.next_psnr = kPsnrInterval;
+  const double measurement_interval =
+      training.stop_when_converged ? kConvergenceInterval : kPsnrInterval;
+  state.next_psnr = measurement_interval;
   TrainingGuards guards(objective_, options_, engine_);
   checkpoints->Load(engine_, &guards, &state);
   TrainingSummary& summary = state.summary;
@@ -92,6 +99,9 @@ TrainingSummary Trainer::Run(Progress* progress,
     return resumed_seconds + Seconds(begin);
   };
   TrainingSchedule schedule(training.num_steps, max_seconds, resumed_seconds);
+  if (summary.num_steps_to_converge >= 0) {
+    schedule.SetPace(kConvergedPace);
+  }
   double& mean_loss = state.mean_loss;
   int& step = state.step;
   while (step < training.num_steps && !state.is_complete) {
@@ -115,8 +125,17 @@ TrainingSummary Trainer::Run(Progress* progress,
       update.fraction = static_cast<double>(step) / training.num_steps;
       update.seconds_left = schedule.SecondsLeft(step, summary.seconds);
       if (update.fraction >= state.next_psnr) {
-        state.held_out_psnr = HeldOutPsnr();
-        state.next_psnr += kPsnrInterval;
+        const Measurement measurement = MeasureTestPixels();
+        state.held_out_psnr = measurement.Psnr();
+        state.next_psnr += measurement_interval;
+        if (training.stop_when_converged &&
+            update.fraction >= training.coarse_to_fine_fraction + kLevelFade &&
+            summary.num_steps_to_converge < 0 &&
+            state.convergence.Measure(measurement.squared_error,
+                                      measurement.depths)) {
+          summary.num_steps_to_converge = summary.num_steps;
+          schedule.SetPace(kConvergedPace);
+        }
       }
       update.loss = mean_loss;
       update.held_out_psnr = state.held_out_psnr;
@@ -152,6 +171,10 @@ TrainingSummary Trainer::Run(Progress* progress,
     } else {
       step = 0;
       mean_loss = -1;
+      state.next_psnr = measurement_interval;
+      state.convergence = ConvergenceMonitor();
+      summary.num_steps_to_converge = -1;
+      schedule.SetPace(1);
     }
   }
   if (!state.is_complete) {
@@ -161,7 +184,7 @@ TrainingSummary Trainer::Run(Progress* progress,
   }
   summary.guard_counts = guards.Counts();
   summary.final_loss = mean_loss;
-  summary.held_out_psnr = HeldOutPsnr();
+  summary.held_out_psnr = MeasureTestPixels().Psnr();
   summary.num_rays = static_cast<size_t>(summary.num_steps) *
                      objective_.NumTiles() * kMaxTileRays;
   summary.num_samples = summary.num_rays * SamplesPerRay(options_);
@@ -209,9 +232,15 @@ void Trainer::ChooseTestPixels(const std::vector<int>& test_view_idxs) {
   }
 }
 
-double Trainer::HeldOutPsnr() const {
+double Trainer::Measurement::Psnr() const {
+  return depths.empty() ? -1
+                        : -10.0 * std::log10(std::max(squared_error, 1e-12));
+}
+
+Trainer::Measurement Trainer::MeasureTestPixels() const {
+  Measurement measurement;
   if (test_pixels_.empty()) {
-    return -1;
+    return measurement;
   }
   const TrainingViews& views = objective_.Views();
   std::vector<RayTile> tiles((test_pixels_.size() + kMaxTileRays - 1) /
@@ -231,16 +260,19 @@ double Trainer::HeldOutPsnr() const {
   double sum = 0;
   for (size_t i = 0; i < test_pixels_.size(); ++i) {
     const TestPixel& pixel = test_pixels_[i];
+    const RayOutputs& tile = outputs[i / kMaxTileRays];
+    const size_t ray = i % kMaxTileRays;
     const Eigen::Vector3f target =
         views.Color(pixel.view_idx, pixel.col, pixel.row);
     for (int c = 0; c < 3; ++c) {
-      const double difference =
-          outputs[i / kMaxTileRays].color[c][i % kMaxTileRays] - target[c];
+      const double difference = tile.color[c][ray] - target[c];
       sum += difference * difference;
     }
+    measurement.depths.push_back(tile.depth[ray]);
   }
-  const double mean = sum / (3.0 * static_cast<double>(test_pixels_.size()));
-  return -10.0 * std::log10(std::max(mean, 1e-12));
+  measurement.squared_error =
+      sum / (3.0 * static_cast<double>(test_pixels_.size()));
+  return measurement;
 }
 
 }  // namespace structnerf

@@ -45,8 +45,14 @@ class Trainer {
 
   void ChooseTestPixels(const std::vector<int>& test_view_idxs);
 
-  // PSNR over the test pixels; -1 without any.
-  double HeldOutPsnr() const;
+  // What is rendered at the test pixels.
+  struct Measurement {
+    double squared_error = 0;  // mean over pixels and channels
+    std::vector<float> depths;
+
+    double Psnr() const;  // -1 without test pixels
+  };
+  Measurement MeasureTestPixels() const;
 
   const TrainingObjective& objective_;
   const ReconstructionOptions options_;

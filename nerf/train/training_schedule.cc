@@ -33,7 +33,7 @@ int TrainingSchedule::Next(const int position, const double seconds) {
   // The share of the time that is left, before the step, which a step takes.
   const double share = step_seconds_ / (left + step_seconds_);
   const double advance =
-      std::max(1.0, carry_ + share * (num_steps_ - position));
+      std::max<double>(pace_, carry_ + share * (num_steps_ - position));
   const double whole = std::floor(advance);
   carry_ = advance - whole;
   return std::min(num_steps_, position + static_cast<int>(whole));
@@ -45,7 +45,7 @@ double TrainingSchedule::SecondsLeft(const int position,
     return -1;
   }
   return std::max(0.0,
-                  std::min(step_seconds_ * (num_steps_ - position),
+                  std::min(step_seconds_ * (num_steps_ - position) / pace_,
                            end_seconds_ - seconds));
 }
 

@@ -31,9 +31,8 @@ TEST(MapViewer, SaysTheValueOfAPixel) {
   viewer.ShowMap("Normal", MapViewer::Kind::kNormal, MakeMaps());
   EXPECT_EQ(viewer.ValueText(3, 0), "(3, 0): normal (0.000, 0.000, -1.000)");
   EXPECT_EQ(viewer.ValueText(1, 1), "(1, 1): no value");
-  viewer.ShowMap("Confidence",
-                 MapViewer::Kind::kConfidence,
-                 {2, 1, {0.25f, 0.875f}, {}});
+  viewer.ShowMap(
+      "Confidence", MapViewer::Kind::kConfidence, {2, 1, {0.25f, 0.875f}, {}});
   EXPECT_EQ(viewer.ValueText(1, 0), "(1, 0): confidence 0.88");
 }
 

@@ -136,8 +136,7 @@ TEST_F(EvaluatorTest, ConfidenceIsComparedWithTheError) {
   EXPECT_EQ(evaluation.confidence->ShareRight(8), 1);
   EXPECT_EQ(evaluation.confidence->ShareRight(3), 0);
   EXPECT_NEAR(evaluation.confidence->CalibrationError(), 0.25, 1e-6);
-  EXPECT_THAT(EvaluationText(evaluation),
-              HasSubstr("calibration error 0.250"));
+  EXPECT_THAT(EvaluationText(evaluation), HasSubstr("calibration error 0.250"));
   const auto json = nlohmann::json::parse(EvaluationJson(evaluation));
   EXPECT_EQ(json["confidence"]["bins"][8]["right"], 1);
   EXPECT_TRUE(json["confidence"]["bins"][0]["right"].is_null());

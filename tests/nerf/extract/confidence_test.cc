@@ -67,19 +67,18 @@ TEST(EstimateConfidence, DoesNotDependOnScaleOrResolution) {
     }
   }
   const size_t middle = 15 * kWidth + 20;
-  const float confidence = EstimateConfidence(MakeCamera(kWidth, kHeight, 50),
-                                              maps,
-                                              ConstantAngle(5))[middle];
-  EXPECT_NEAR(EstimateConfidence(MakeCamera(kWidth, kHeight, 50),
-                                 scaled,
-                                 ConstantAngle(5))[middle],
-              confidence,
-              1e-5);
-  EXPECT_NEAR(EstimateConfidence(MakeCamera(kWidth, kHeight, 100),
-                                 finer,
-                                 ConstantAngle(5))[middle],
-              confidence,
-              1e-5);
+  const float confidence = EstimateConfidence(
+      MakeCamera(kWidth, kHeight, 50), maps, ConstantAngle(5))[middle];
+  EXPECT_NEAR(
+      EstimateConfidence(
+          MakeCamera(kWidth, kHeight, 50), scaled, ConstantAngle(5))[middle],
+      confidence,
+      1e-5);
+  EXPECT_NEAR(
+      EstimateConfidence(
+          MakeCamera(kWidth, kHeight, 100), finer, ConstantAngle(5))[middle],
+      confidence,
+      1e-5);
 }
 
 TEST(EstimateConfidence, NoDepthHasNone) {

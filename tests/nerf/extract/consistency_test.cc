@@ -1,4 +1,5 @@
 #include "nerf/extract/consistency.h"
+
 #include "tests/nerf/plane_scene.h"
 
 #include <cmath>
@@ -6,7 +7,6 @@
 #include <vector>
 
 #include <Eigen/LU>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -151,8 +151,7 @@ TEST(CheckConsistency, AsManyViewsAsAskedFor) {
 
 TEST(CheckConsistency, RecordsComeRowByRow) {
   PlaneMaps test({0, 0.1, -0.1});
-  const std::vector<ConsistencyRecord> records =
-      test.Check({1, 2}).records;
+  const std::vector<ConsistencyRecord> records = test.Check({1, 2}).records;
   ASSERT_GT(records.size(), 100u);
   for (size_t i = 1; i < records.size(); ++i) {
     EXPECT_LT(records[i - 1].row * kWidth + records[i - 1].col,

@@ -7,6 +7,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <memory>
 #include <thread>
@@ -237,6 +238,42 @@ TEST_F(TrainerTest, GoesOnFromACheckpoint) {
   // this process is.
   EXPECT_EQ(progress_.updates.front().fraction, 130 / 200.0);
   EXPECT_NEAR(progress_.updates.front().held_out_psnr, 20, 1e-3);
+}
+
+// What this engine renders never changes.
+TEST_F(TrainerTest, HastensOnceItHasConverged) {
+  EXPECT_EQ(Run().num_steps_to_converge, -1);
+  engine_ = FakeEngine();
+  options_.training.stop_when_converged = true;
+  const TrainingSummary summary = Run();
+  // Measured from 0.25 on, every 0.05.
+  EXPECT_EQ(summary.num_steps_to_converge, 70);
+  EXPECT_EQ(summary.num_steps, 71 + (199 - 70) / 8);
+  ASSERT_EQ(engine_.steps.size(), static_cast<size_t>(summary.num_steps));
+  EXPECT_EQ(engine_.steps[70].step, 70);
+  EXPECT_EQ(engine_.steps[71].step, 78);
+  EXPECT_GE(engine_.steps.back().step, 192);
+}
+
+TEST_F(TrainerTest, ConvergenceSurvivesAnInterruption) {
+  options_.training.stop_when_converged = true;
+  const TrainingSummary expected = Run();
+  const TempDir folder;
+  checkpoint_options_.folder = folder.Path();
+  for (const int abort_at : {65, 80}) {
+    engine_ = FakeEngine();
+    progress_ = RecordingProgress();
+    progress_.abort_at = abort_at;
+    progress_.should_save = true;
+    EXPECT_THROW(Run(), Aborted);
+    progress_ = RecordingProgress();
+    const TrainingSummary summary = Run();
+    EXPECT_GT(summary.num_resumed_steps, 60);
+    EXPECT_EQ(summary.num_steps_to_converge, expected.num_steps_to_converge);
+    EXPECT_EQ(summary.num_steps, expected.num_steps);
+    std::filesystem::remove_all(folder.Path());
+    std::filesystem::create_directories(folder.Path());
+  }
 }
 
 // Maps may have been rendered from it, so nothing is learned after it.

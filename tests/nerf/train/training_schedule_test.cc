@@ -91,6 +91,18 @@ TEST(TrainingSchedule, GoesOnWhereItWas) {
   EXPECT_NEAR(training.num_steps, 40, 2);
 }
 
+TEST(TrainingSchedule, KeepsTheLargerOfPaceAndLimit) {
+  TrainingSchedule unlimited(100, 0);
+  unlimited.SetPace(8);
+  const Training paced = Train(&unlimited, 100, [](int) { return 1.0; });
+  EXPECT_EQ(paced.num_steps, 13);
+  EXPECT_EQ(paced.positions[1], 8);
+  EXPECT_NEAR(unlimited.SecondsLeft(20, 3), 10, 1e-6);
+  TrainingSchedule limited(1000, 50);
+  limited.SetPace(8);
+  EXPECT_NEAR(Train(&limited, 1000, [](int) { return 1.0; }).num_steps, 50, 2);
+}
+
 TEST(TrainingSchedule, TellsTheTimeThatIsLeft) {
   TrainingSchedule unlimited(100, 0);
   EXPECT_EQ(unlimited.SecondsLeft(0, 0), -1);
