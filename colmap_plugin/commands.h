@@ -23,6 +23,9 @@ int RunStructNerfDense(int argc, char** argv);
 // Depth, cloud and rendered images of a workspace against ground truth.
 int RunStructNerfEval(int argc, char** argv);
 
+// Two workspaces side by side, as one HTML page.
+int RunStructNerfCompare(int argc, char** argv);
+
 // New views of a trained field (colmap_plugin/rendering).
 int RunStructNerfRender(int argc, char** argv);
 

@@ -1,6 +1,5 @@
 #include "colmap_plugin/evaluation/evaluator.h"
 
-#include "colmap_plugin/dense_workspace.h"
 #include "colmap_plugin/evaluation/pixel_lookup.h"
 #include "colmap_plugin/evaluation/workspace_maps.h"
 #include "colmap_plugin/input_check.h"
@@ -32,9 +31,13 @@ class Evaluator {
     EvaluateImages();
     if (truth_ != nullptr) {
       for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
-        EvaluateMaps(type);
+        if (IsWanted(type)) {
+          EvaluateMaps(type);
+        }
       }
-      EvaluateConfidence();
+      if (IsWanted(MapType::kPhotometric)) {
+        EvaluateConfidence();
+      }
       EvaluateFusedCloud();
       EvaluateHeldOutDepth();
     }
@@ -49,6 +52,10 @@ class Evaluator {
  private:
   void Note(const std::string& sentence) {
     evaluation_.notes.push_back(sentence);
+  }
+
+  bool IsWanted(const MapType type) const {
+    return evaluation_.options.map_type.value_or(type) == type;
   }
 
   std::string Reasons() const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "colmap_plugin/dense_workspace.h"
 #include "colmap_plugin/evaluation/cloud_evaluation.h"
 #include "colmap_plugin/evaluation/depth_evaluation.h"
 #include "colmap_plugin/evaluation/held_out_evaluation.h"
@@ -26,6 +27,10 @@ struct EvaluationOptions {
   // `truth.path` empty = no truth, only images are evaluated.
   DepthTruthOptions truth;
   CloudEvaluationOptions cloud;
+
+  // Maps that are evaluated; nothing = both.
+  std::optional<MapType> map_type;
+
   HeldOutOptions held_out;
 
   // Throws std::runtime_error, naming the option, if one is wrong.

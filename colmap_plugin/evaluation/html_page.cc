@@ -18,6 +18,12 @@ figure { margin: 0; }
 figcaption { font-size: .85rem; }
 img, svg { display: block; max-width: 100%; height: auto; }
 .pictures img { width: 100%; }
+.legend { display: flex; flex-wrap: wrap; gap: .4rem 2rem; padding: .5rem 0;
+          position: sticky; top: 0; background: Canvas; font-size: .85rem;
+          border-bottom: 1px solid #8886; }
+.scale { display: grid; grid-template-columns: auto 8rem auto; gap: .4rem;
+         align-items: center; }
+.scale img { width: 100%; height: .9rem; }
 </style>
 )";
 
@@ -56,12 +62,46 @@ void HtmlPage::AddTable(const std::vector<std::vector<std::string>>& rows) {
 void HtmlPage::AddPictures(const std::vector<HtmlPicture>& pictures) {
   body_ += "<div class=\"pictures\">\n";
   for (const HtmlPicture& picture : pictures) {
-    body_ += "<figure><img loading=\"lazy\" alt=\"" +
-             EscapeHtml(picture.alternative) + "\" src=\"" + picture.data_uri +
-             "\"><figcaption>" + EscapeHtml(picture.caption) +
-             "</figcaption></figure>\n";
+    AddPicture(picture);
   }
   body_ += "</div>\n";
+}
+
+void HtmlPage::AddPictureRows(
+    const std::vector<std::vector<HtmlPicture>>& rows) {
+  body_ += "<div class=\"pictures\" style=\"grid-template-columns: repeat(" +
+           std::to_string(rows.front().size()) + ", minmax(0, 1fr))\">\n";
+  for (const std::vector<HtmlPicture>& row : rows) {
+    for (const HtmlPicture& picture : row) {
+      AddPicture(picture);
+    }
+  }
+  body_ += "</div>\n";
+}
+
+void HtmlPage::AddLegend(const std::vector<HtmlScale>& scales,
+                         const std::vector<std::string>& remarks) {
+  body_ += "<div class=\"legend\">\n";
+  for (const HtmlScale& scale : scales) {
+    body_ += "<div class=\"scale\"><span>" +
+             EscapeHtml(scale.name + " " + scale.low) +
+             "</span><img alt=\"\" src=\"" + scale.data_uri + "\"><span>" +
+             EscapeHtml(scale.high) + "</span></div>\n";
+  }
+  for (const std::string& remark : remarks) {
+    body_ += "<div>" + EscapeHtml(remark) + "</div>\n";
+  }
+  body_ += "</div>\n";
+}
+
+void HtmlPage::AddPicture(const HtmlPicture& picture) {
+  body_ += "<figure>";
+  if (!picture.data_uri.empty()) {
+    body_ += "<img loading=\"lazy\" alt=\"" + EscapeHtml(picture.alternative) +
+             "\" src=\"" + picture.data_uri + "\">";
+  }
+  body_ +=
+      "<figcaption>" + EscapeHtml(picture.caption) + "</figcaption></figure>\n";
 }
 
 std::string HtmlPage::Finish() const {
