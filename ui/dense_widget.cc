@@ -15,8 +15,6 @@
 namespace structnerf {
 namespace {
 
-constexpr int kPollMilliseconds = 100;
-
 // Which tab is where.
 enum { kSetupTab, kAdvancedTab, kRunTab, kResultsTab };
 

@@ -11,6 +11,9 @@
 
 namespace structnerf {
 
+// How often windows look at what is going on.
+constexpr int kPollMilliseconds = 100;
+
 // One measurement of the training.
 struct CurvePoint {
   double fraction = 0;  // of the training, in [0, 1]

@@ -73,6 +73,9 @@ ResultsPage::ResultsPage(ColmapLink* link, QWidget* parent)
   });
   buttons_->setEnabled(false);
   layout->addWidget(buttons_);
+  comparison_bar_ = new ComparisonBar(this);
+  comparison_bar_->setEnabled(false);
+  layout->addWidget(comparison_bar_);
 
   map_viewer_ = new MapViewer(this);
 }
@@ -113,6 +116,8 @@ void ResultsPage::ShowResults(
   views_->resizeColumnsToContents();
   views_->selectRow(0);
   buttons_->setEnabled(true);
+  comparison_bar_->ShowWorkspace(report.workspace_path);
+  comparison_bar_->setEnabled(true);
   ShowErrorOf(this, [this]() { ShowCloud(); });
 }
 

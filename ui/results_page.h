@@ -3,6 +3,7 @@
 #include "colmap_plugin/dense_workspace.h"
 #include "colmap_plugin/run_report.h"
 #include "ui/colmap_link.h"
+#include "ui/comparison_bar.h"
 #include "ui/map_viewer.h"
 
 #include <QComboBox>
@@ -45,6 +46,7 @@ class ResultsPage : public QWidget {
   QTableWidget* views_;
   QComboBox* map_type_;
   QWidget* buttons_;
+  ComparisonBar* comparison_bar_;
   MapViewer* map_viewer_;
 };
 

@@ -4,12 +4,14 @@
 #include "tests/support/synthetic_room.h"
 #include "tests/support/synthetic_room_writer.h"
 #include "tests/support/temp_dir.h"
+#include "ui/comparison_bar.h"
 #include "ui/gui_window.h"
 #include "ui/map_viewer.h"
 
 #include <QAction>
 #include <QApplication>
 #include <QComboBox>
+#include <QDesktopServices>
 #include <QElapsedTimer>
 #include <QLabel>
 #include <QLineEdit>
@@ -22,6 +24,7 @@
 #include <QTabWidget>
 #include <QTableWidget>
 #include <QTest>
+#include <QTextBrowser>
 #include <QTimer>
 #include <QToolBar>
 #include <filesystem>
@@ -277,6 +280,27 @@ TEST_F(DenseWindowTest, RunsToTheEndAndShowsTheResults) {
   Click("confidence");
   Screenshot(map_viewer, "confidence");
   map_viewer->hide();
+
+  // A browser that shows the page.
+  const std::string other_path = *temp_dir_ / "other_dense";
+  fs::copy(WorkspacePath(), other_path, fs::copy_options::recursive);
+  EXPECT_EQ(FindOtherWorkspace(WorkspacePath()), other_path);
+  EXPECT_EQ(FindOtherWorkspace(other_path), WorkspacePath());
+  QTextBrowser browser;
+  QDesktopServices::setUrlHandler("file", &browser, "setSource");
+  Find<QLineEdit>("other_path")->setText(QString::fromStdString(other_path));
+  Click("compare");
+  EXPECT_TRUE(QTest::qWaitFor([&]() { return !browser.source().isEmpty(); },
+                              kRunMilliseconds));
+  QDesktopServices::unsetUrlHandler("file");
+  EXPECT_TRUE(fs::exists(browser.source().toLocalFile().toStdString()));
+  AnswerMessage(QMessageBox::Ok);
+  Find<QLineEdit>("other_path")->setText("/no/such/folder");
+  Click("compare");
+  EXPECT_TRUE(QTest::qWaitFor([&]() { return !message_.empty(); },
+                              kAnswerMilliseconds));
+  EXPECT_THAT(message_, HasSubstr("/no/such/folder"));
+
   Tabs()->window()->hide();
   Screenshot(&window_->Window(), "cloud");
   EXPECT_TRUE(IsFusionOffered(WorkspacePath()));

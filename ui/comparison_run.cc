@@ -1,0 +1,34 @@
+#include "ui/comparison_run.h"
+
+#include "colmap_plugin/evaluation/comparison_report.h"
+
+#include <exception>
+#include <utility>
+
+namespace structnerf {
+
+ComparisonRun::ComparisonRun(const ComparisonOptions& options,
+                             std::string folder)
+    : thread_([this, options, folder = std::move(folder)]() {
+        Run(options, folder);
+        has_ended_ = true;
+      }) {}
+
+ComparisonRun::~ComparisonRun() {
+  progress_.Abort();
+  thread_.join();
+}
+
+void ComparisonRun::Run(const ComparisonOptions& options,
+                        const std::string& folder) {
+  try {
+    options.Check();
+    page_path_ = WriteComparison(Compare(options, &progress_), folder);
+  } catch (const Aborted&) {
+    // Nobody waits for it any more.
+  } catch (const std::exception& error) {
+    error_ = error.what();
+  }
+}
+
+}  // namespace structnerf
