@@ -1,0 +1,77 @@
+#!/usr/bin/env bash
+# Runs methods x scenes x seeds, measures each run, and prints one table.
+#   cmake/results.sh OUTPUT_FOLDER METHODS_FILE SCENE_FOLDER...
+# METHODS_FILE: a name and options of structnerf_dense on each line, in which SCENE
+# stands for the scene's folder (see results_methods.txt, results_ablations.txt).
+# SCENE_FOLDER holds images, sparse/0 and depth (16-bit PNGs in millimetres); "room"
+# stands for the generated room. SEEDS=3 is the number of runs of each, OPTIONS are
+# more options for all of them, LPIPS_PATH is a TorchScript module of LPIPS. Runs
+# whose result is in OUTPUT_FOLDER already are not repeated.
+set -euo pipefail
+[ $# -ge 3 ] || { sed -n '2,9s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" >&2; exit 1; }
+# shellcheck source=cmake/setup.sh
+source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
+
+output=$1 methods_file=$2
+shift 2
+[ -r "$methods_file" ] || die "the file $methods_file cannot be read"
+build_project release colmap-structnerf structnerf_make_room structnerf_results_table >&2
+program=$build_dir/colmap_plugin/colmap-structnerf
+mkdir -p "$output/runs"
+methods=() missing=()
+
+# One run in a folder that goes away; its report and its measurements stay.
+run_once() { # scene folder, folder of the result, seed, options
+  local scene=$1 result=$2 seed=$3 work
+  shift 3
+  work=$(mktemp -d "$output/run.XXXXXX")
+  mkdir "$work/result"
+  if "$program" structnerf_dense --image_path "$scene/images" \
+      --input_path "$scene/sparse/0" --output_path "$work/dense" \
+      --StructNeRF.test_every 8 --StructNeRF.seed "$seed" "$@" \
+      > "$work/log" 2>&1 &&
+    "$program" structnerf_eval --workspace_path "$work/dense" \
+      --image_path "$scene/images" --input_path "$scene/sparse/0" \
+      --ground_truth_path "$scene/depth" ${LPIPS_PATH:+--lpips_path "$LPIPS_PATH"} \
+      --output_path "$work/result/eval.json" >> "$work/log" 2>&1; then
+    cp "$work/dense/structnerf/report.json" "$work/result/"
+    mkdir -p "$(dirname "$result")"
+    mv "$work/result" "$result"
+  else
+    missing+=("$result: $(grep -m1 ERROR "$work/log" || tail -n1 "$work/log")")
+  fi
+  rm -r "$work"
+}
+
+for scene in "$@"; do
+  name=$(basename "$scene")
+  if [ "$scene" = room ]; then
+    scene=$output/room
+    [ -d "$scene" ] || "$build_dir/tests/tools/structnerf_make_room" "$scene"
+  fi
+  [ -d "$scene/sparse/0" ] || die "the scene $scene has no sparse/0"
+  methods=()
+  while read -r method options; do
+    case "$method" in ''|'#'*) continue ;; esac
+    methods+=("$method")
+    options=${options//SCENE/$scene}
+    if [[ $options == *"$scene/prior"* && ! -d $scene/prior ]]; then
+      missing+=("$output/runs/$name/$method: the scene has no folder prior")
+      continue
+    fi
+    for ((seed = 0; seed < ${SEEDS:-3}; ++seed)); do
+      result=$output/runs/$name/$method/$seed
+      [ -e "$result" ] && continue
+      say "$name, $method, seed $seed"
+      # shellcheck disable=SC2086 # options are words
+      run_once "$scene" "$result" "$seed" $options ${OPTIONS:-} < /dev/null
+    done
+  done < "$methods_file"
+done
+
+"$build_dir/tests/tools/structnerf_results_table" "$output/runs" "${methods[@]}"
+if [ ${#missing[@]} -gt 0 ]; then
+  say "${#missing[@]} results are missing in the table:"
+  printf '  %s\n' "${missing[@]}" >&2
+  exit 1
+fi
