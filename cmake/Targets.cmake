@@ -1,11 +1,13 @@
 # Helpers that give every target of the project the same warnings and flags.
 
 function(structnerf_compile_options target)
-  target_compile_options(${target} PRIVATE -Wall -Wextra -Werror)
+  target_compile_options(${target} PRIVATE
+    "$<$<COMPILE_LANGUAGE:CXX>:-Wall;-Wextra;-Werror>"
+    "$<$<COMPILE_LANGUAGE:CUDA>:--Werror=all-warnings;-Xcompiler=-Wall,-Wextra>")
   target_include_directories(${target} PUBLIC ${PROJECT_SOURCE_DIR})
   if(STRUCTNERF_SANITIZE)
     target_compile_options(${target} PRIVATE
-      -fsanitize=${STRUCTNERF_SANITIZE} -fno-omit-frame-pointer)
+      "$<$<COMPILE_LANGUAGE:CXX>:-fsanitize=${STRUCTNERF_SANITIZE};-fno-omit-frame-pointer>")
     target_link_options(${target} PUBLIC -fsanitize=${STRUCTNERF_SANITIZE})
     # With sanitizers Eigen allocates in another way unless told not to. COLMAP
     # has none, and matrices are made there and freed here.

@@ -76,7 +76,11 @@ std::vector<OptionEntry> MakeOptionTable(StructNerfOptions* options) {
       {"StructNeRF.input_type",
        &options->input_type,
        "Maps that are fused {geometric, photometric}; "
-       "StereoFusion.min_num_pixels 0 is chosen from the number of views"}};
+       "StereoFusion.min_num_pixels 0 is chosen from the number of views"},
+      {"StructNeRF.device",
+       &options->device,
+       "Where the field is trained and rendered {auto, cpu, cuda}; auto = an "
+       "NVIDIA card if there is one"}};
   const auto entries = MakeMethodOptionEntries(&options->reconstruction);
   table.insert(table.end(), entries.begin(), entries.end());
   return table;

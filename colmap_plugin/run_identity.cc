@@ -63,7 +63,8 @@ void AddFile(const std::string& path, Checksum* checksum) {
 
 std::map<std::string, std::string> DescribeRun(
     const StructNerfOptions& options) {
-  std::map<std::string, std::string> run = {{"version", STRUCTNERF_VERSION}};
+  std::map<std::string, std::string> run = {
+      {"version", STRUCTNERF_VERSION}, {"--StructNeRF.device", options.device}};
   ReconstructionOptions reconstruction = options.reconstruction;
   for (const OptionEntry& entry : MakeMethodOptionEntries(&reconstruction)) {
     if (entry.name != "StructNeRF.num_threads") {

@@ -10,7 +10,7 @@
 #include "colmap_plugin/run_identity.h"
 #include "colmap_plugin/scene_converter.h"
 #include "colmap_plugin/undistorted_images.h"
-#include "nerf/engine/torch_factory.h"
+#include "nerf/engine/devices.h"
 #include "nerf/extract/confidence.h"
 #include "nerf/extract/consistency.h"
 #include "nerf/scene_file.h"
@@ -166,6 +166,9 @@ void StructNerfController::CheckInput() {
   }
   CheckOutput(options_, ImageNames(*reconstruction_));
   CheckExport(options_.export_path);
+  // From here on, reports and checkpoints know which device it is.
+  options_.device =
+      ResolveDevice(options_.device, options_.reconstruction.field.type);
 
   const auto cameras = UndistortedCameras(*reconstruction_);
   CheckDiskSpace(options_.ResultPath(),
@@ -281,7 +284,10 @@ void StructNerfController::LoadScene() {
   }
   extraction_ = FitToScene(method.extraction, scene);
   reconstructor_ = std::make_unique<Reconstructor>(
-      std::move(scene), options_.reconstruction, MakeAnyEngine);
+      std::move(scene),
+      options_.reconstruction,
+      EnginesOfDevice(options_.device,
+                      [this](const std::string& sentence) { Warn(sentence); }));
   for (const std::string& warning : reconstructor_->Warnings()) {
     Warn(warning);
   }

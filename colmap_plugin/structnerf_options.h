@@ -30,6 +30,10 @@ struct StructNerfOptions {
   std::string method = "structnerf";
   ReconstructionOptions reconstruction;
 
+  // Where the field is trained and rendered: "auto", "cpu" or "cuda"
+  // (nerf/engine/devices.h).
+  std::string device = "cpu";
+
   // Depth priors for what asks for them (ReconstructionOptions::NeedsPrior): a
   // folder of depth maps in COLMAP's format, "geometric" or "photometric" ones,
   // or a TorchScript module (nerf/prior_module.h). Empty = none.

@@ -8,6 +8,7 @@
 #include "nerf/view_selection.h"
 
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 namespace structnerf {
@@ -22,7 +23,7 @@ class FieldViewer::Impl {
 FieldViewer::FieldViewer(Scene scene,
                          const ReconstructionOptions& options,
                          const std::string& field_path,
-                         const EngineFactory make_engine)
+                         const EngineFactory& make_engine)
     : impl_(std::make_unique<Impl>()) {
   std::string error;
   if (!options.Check(&error)) {
@@ -44,6 +45,11 @@ FieldViewer::FieldViewer(Scene scene,
       HeldOutViewIdxs(scene.views.size(), options.training.test_every),
       options.training.latent_test);
 }
+
+FieldViewer::FieldViewer(Scene scene,
+                         const ReconstructionOptions& options,
+                         const std::string& field_path)
+    : FieldViewer(std::move(scene), options, field_path, MakeGridEngine) {}
 
 FieldViewer::~FieldViewer() = default;
 

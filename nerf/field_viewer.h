@@ -21,7 +21,12 @@ class FieldViewer {
   FieldViewer(Scene scene,
               const ReconstructionOptions& options,
               const std::string& field_path,
-              EngineFactory make_engine = MakeGridEngine);
+              const EngineFactory& make_engine);
+
+  // With MakeGridEngine.
+  FieldViewer(Scene scene,
+              const ReconstructionOptions& options,
+              const std::string& field_path);
   ~FieldViewer();
 
   // Whether the camera is in the box that the field fills (nerf/scene_frame.h).

@@ -80,7 +80,7 @@ class Reconstructor::Impl {
  public:
   Impl(Scene scene_in,
        const ReconstructionOptions& options_in,
-       const EngineFactory make_engine)
+       const EngineFactory& make_engine)
       : scene(std::move(scene_in)), options(options_in) {
     std::string error;
     if (!options.Check(&error)) {
@@ -194,8 +194,11 @@ size_t Reconstructor::EstimateMemory(const ReconstructionOptions& options,
 
 Reconstructor::Reconstructor(Scene scene,
                              const ReconstructionOptions& options,
-                             const EngineFactory make_engine)
+                             const EngineFactory& make_engine)
     : impl_(std::make_unique<Impl>(std::move(scene), options, make_engine)) {}
+
+Reconstructor::Reconstructor(Scene scene, const ReconstructionOptions& options)
+    : Reconstructor(std::move(scene), options, MakeGridEngine) {}
 
 Reconstructor::~Reconstructor() = default;
 

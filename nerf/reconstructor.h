@@ -50,7 +50,10 @@ class Reconstructor {
   // Throws std::invalid_argument if the scene or the options are wrong.
   Reconstructor(Scene scene,
                 const ReconstructionOptions& options,
-                EngineFactory make_engine = MakeGridEngine);
+                const EngineFactory& make_engine);
+
+  // With MakeGridEngine.
+  Reconstructor(Scene scene, const ReconstructionOptions& options);
   ~Reconstructor();
 
   // Sentences about the scene that the user should know, e.g. views without

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 
 namespace structnerf {
@@ -8,9 +9,9 @@ class RenderEngine;
 struct EngineOptions;
 
 // Makes the engine of some options. Throws std::invalid_argument if it has none
-// for them.
+// for them. To make one of a function, include nerf/engine/render_engine.h.
 using EngineFactory =
-    std::unique_ptr<RenderEngine> (*)(const EngineOptions& options);
+    std::function<std::unique_ptr<RenderEngine>(const EngineOptions& options)>;
 
 // Knows the hash grid only. nerf/engine/torch_factory.h has the one that knows
 // every field.

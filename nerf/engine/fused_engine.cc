@@ -17,14 +17,6 @@ namespace {
 // Cells of the density cache that are evaluated per task.
 constexpr size_t kRefreshChunk = 512;
 
-RaySamplingParameters MakeSamplingParameters(const SamplingOptions& options) {
-  RaySamplingParameters parameters;
-  parameters.num_bins = options.num_bins;
-  parameters.num_samples = options.num_samples;
-  parameters.uniform_share = static_cast<float>(options.uniform_share);
-  return parameters;
-}
-
 // What a tile leaves behind until the update, besides the grid's gradient. Sums
 // over tiles then run in the order of the tiles.
 struct TileResult {
@@ -356,10 +348,7 @@ class FusedEngine : public GridEngine {
       return false;
     }
     AdamStep step;
-    const double correction1 = 1 - std::pow(step.beta1, num_updates_);
-    const double correction2 = 1 - std::pow(step.beta2, num_updates_);
-    step.learning_rate = static_cast<float>(
-        learning_rate * std::sqrt(correction2) / correction1);
+    step.learning_rate = BiasCorrectedRate(learning_rate, num_updates_);
     AdamUpdate(step,
                layout_.num_network_parameters,
                gradient,

@@ -1,6 +1,9 @@
 #include "nerf/engine/grid_engine.h"
 
+#include "nerf/kernels/adam.h"
+
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 namespace structnerf {
@@ -21,6 +24,24 @@ void GridEngine::RebuildDensityCache(Progress* progress) {
       RefreshDensityCache(/*decay=*/1.0f);
     }
   }
+}
+
+RaySamplingParameters GridEngine::MakeSamplingParameters(
+    const SamplingOptions& options) {
+  RaySamplingParameters parameters;
+  parameters.num_bins = options.num_bins;
+  parameters.num_samples = options.num_samples;
+  parameters.uniform_share = static_cast<float>(options.uniform_share);
+  return parameters;
+}
+
+float GridEngine::BiasCorrectedRate(const float learning_rate,
+                                    const int num_updates) {
+  const AdamStep step;
+  const double correction1 = 1 - std::pow(step.beta1, num_updates);
+  const double correction2 = 1 - std::pow(step.beta2, num_updates);
+  return static_cast<float>(learning_rate * std::sqrt(correction2) /
+                            correction1);
 }
 
 void GridEngine::ApplyLevelWeights(const FieldLayout& layout,

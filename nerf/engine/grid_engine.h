@@ -3,6 +3,7 @@
 #include "nerf/engine/render_engine.h"
 #include "nerf/field/density_cache.h"
 #include "nerf/field/field_layout.h"
+#include "nerf/kernels/ray_sampling.h"
 
 #include <memory>
 #include <vector>
@@ -21,6 +22,14 @@ class GridEngine : public RenderEngine {
 
  protected:
   virtual DensityCache* MutableCache() = 0;
+
+  static RaySamplingParameters MakeSamplingParameters(
+      const SamplingOptions& options);
+
+  // The learning rate of parameters that are updated in every step, with
+  // Adam's correction of the bias of its moments (Kingma and Ba 2015, section
+  // 2) after that many updates.
+  static float BiasCorrectedRate(float learning_rate, int num_updates);
 
   // Multiplies features by the weight of their level; empty = all one.
   static void ApplyLevelWeights(const FieldLayout& layout,

@@ -1,6 +1,5 @@
 #include "nerf/tools/maps_folder.h"
 
-#include "nerf/engine/torch_factory.h"
 #include "nerf/extract/consistency.h"
 #include "nerf/util/array_file.h"
 
@@ -99,6 +98,24 @@ void WriteMaps(const PartialFolder& folder,
       "stereo/normal_maps/" + file_name, maps.width, maps.height, maps.normal);
 }
 
+// About the first view whose image has another size than these options would
+// have given it; empty if there is none.
+std::string ImageSizeWarning(const std::vector<View>& views,
+                             const int max_image_size) {
+  for (const View& view : views) {
+    const int size = std::max(view.image.width, view.image.height);
+    const int usual_size = std::min(
+        max_image_size, std::max(view.camera.width, view.camera.height));
+    if (size != usual_size) {
+      return "The image of " + view.name + " has " + std::to_string(size) +
+             " pixels along its longer side, but " +
+             std::to_string(usual_size) +
+             " belong to this quality; export the scene with the same one.";
+    }
+  }
+  return "";
+}
+
 // The maps before other views have confirmed them, of all views.
 std::vector<DenseMaps> RenderMaps(const std::vector<View>& views,
                                   Reconstructor* reconstructor,
@@ -127,6 +144,7 @@ std::vector<DenseMaps> RenderMaps(const std::vector<View>& views,
 MapsSummary ReconstructIntoFolder(
     Scene scene,
     const ReconstructionOptions& options,
+    const EngineFactory& make_engine,
     const std::string& path,
     const std::function<void(const std::string&)>& warn,
     Progress* progress) {
@@ -139,9 +157,14 @@ MapsSummary ReconstructIntoFolder(
     pose.mask = view.mask;
   }
   const ExtractionOptions extraction = FitToScene(options.extraction, scene);
-  Reconstructor reconstructor(std::move(scene), options, MakeAnyEngine);
-  for (const std::string& warning : reconstructor.Warnings()) {
-    warn(warning);
+  Reconstructor reconstructor(std::move(scene), options, make_engine);
+  std::vector<std::string> warnings = reconstructor.Warnings();
+  warnings.push_back(
+      ImageSizeWarning(poses.views, options.training.max_image_size));
+  for (const std::string& warning : warnings) {
+    if (!warning.empty()) {
+      warn(warning);
+    }
   }
   reconstructor.Train(progress);
   MapsSummary summary;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "nerf/engine/engine_factory.h"
 #include "nerf/options.h"
 #include "nerf/progress.h"
 #include "nerf/reconstructor.h"
@@ -40,6 +41,7 @@ struct MapsSummary {
 MapsSummary ReconstructIntoFolder(
     Scene scene,
     const ReconstructionOptions& options,
+    const EngineFactory& make_engine,
     const std::string& path,
     const std::function<void(const std::string&)>& warn,
     Progress* progress);

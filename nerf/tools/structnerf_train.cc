@@ -1,3 +1,4 @@
+#include "nerf/engine/devices.h"
 #include "nerf/scene_file.h"
 #include "nerf/tools/maps_folder.h"
 #include "nerf/tools/train_arguments.h"
@@ -48,6 +49,7 @@ void PrintSummary(const MapsSummary& summary, const TrainArguments& arguments) {
   const TrainingSummary& training = summary.training;
   const double seconds = std::max(training.seconds, 1e-9);
   const double percent = 100.0 / static_cast<double>(summary.num_pixels);
+  std::printf("Device:    %s\n", arguments.device.c_str());
   std::printf("Training:  %d steps in %.2f s (%.0f rays/s, %.0f samples/s)\n",
               training.num_steps,
               training.seconds,
@@ -74,14 +76,16 @@ int Run(const std::vector<std::string>& words) {
   const TrainArguments arguments = ParseTrainArguments(words);
   const ScopedInterrupts interrupts;
   LineProgress progress;
-  const MapsSummary summary = ReconstructIntoFolder(
-      ReadScene(arguments.scene_path),
-      arguments.options,
-      arguments.output_path,
-      [](const std::string& warning) {
-        std::cerr << "WARNING: " << warning << std::endl;
-      },
-      &progress);
+  const auto warn = [](const std::string& warning) {
+    std::cerr << "WARNING: " << warning << std::endl;
+  };
+  const MapsSummary summary =
+      ReconstructIntoFolder(ReadScene(arguments.scene_path),
+                            arguments.options,
+                            EnginesOfDevice(arguments.device, warn),
+                            arguments.output_path,
+                            warn,
+                            &progress);
   PrintSummary(summary, arguments);
   return EXIT_SUCCESS;
 }

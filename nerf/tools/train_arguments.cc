@@ -1,5 +1,6 @@
 #include "nerf/tools/train_arguments.h"
 
+#include "nerf/engine/devices.h"
 #include "nerf/method_options.h"
 #include "nerf/methods.h"
 
@@ -13,6 +14,19 @@
 
 namespace structnerf {
 namespace {
+
+// What has been decided when the scene was exported.
+bool IsOfScene(const OptionEntry& entry) {
+  return entry.name == "StructNeRF.max_image_size" ||
+         entry.name == "StructNeRF.planar_min_area";
+}
+
+std::vector<OptionEntry> MakeEntries(ReconstructionOptions* options) {
+  auto entries = MakeMethodOptionEntries(options);
+  entries.erase(std::remove_if(entries.begin(), entries.end(), IsOfScene),
+                entries.end());
+  return entries;
+}
 
 using NamedValues = std::vector<std::pair<std::string, std::string>>;
 
@@ -80,7 +94,8 @@ TrainArguments ParseTrainArguments(const std::vector<std::string>& arguments) {
       {"scene_path", &result.scene_path},
       {"output_path", &result.output_path},
       {"StructNeRF.quality", &result.quality},
-      {"StructNeRF.method", &result.method}};
+      {"StructNeRF.method", &result.method},
+      {"StructNeRF.device", &result.device}};
   for (const auto& [name, value] : values) {
     if (const auto text = texts.find(name); text != texts.end()) {
       *text->second = value;
@@ -98,7 +113,7 @@ TrainArguments ParseTrainArguments(const std::vector<std::string>& arguments) {
     throw std::invalid_argument(std::string("The option --StructNeRF.") +
                                 error.what() + ".");
   }
-  const auto entries = MakeMethodOptionEntries(&result.options);
+  const auto entries = MakeEntries(&result.options);
   for (const auto& [name, value] : values) {
     if (texts.count(name) == 0 && !SetOption(entries, name, value)) {
       throw std::invalid_argument("There is no option --" + name +
@@ -109,6 +124,7 @@ TrainArguments ParseTrainArguments(const std::vector<std::string>& arguments) {
   if (!error.empty()) {
     throw std::invalid_argument("The option --" + error + ".");
   }
+  result.device = ResolveDevice(result.device, result.options.field.type);
   return result;
 }
 
@@ -124,9 +140,10 @@ std::string TrainUsage() {
            "  --StructNeRF.method    {structnerf, nerf, dsnerf, "
            "dense_depth_prior, nerfing_mvs}\n"
            "                         (structnerf)\n"
+           "  --StructNeRF.device    {auto, cpu, cuda} (cpu)\n"
            "and the options of the method, with the defaults of medium:\n";
   ReconstructionOptions options = QualityPreset("medium");
-  for (const OptionEntry& entry : MakeMethodOptionEntries(&options)) {
+  for (const OptionEntry& entry : MakeEntries(&options)) {
     usage << "  --" << entry.name << "  " << entry.help << " (";
     std::visit([&](const auto* value) { usage << *value; }, entry.value);
     usage << ")\n";

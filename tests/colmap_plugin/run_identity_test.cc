@@ -28,6 +28,7 @@ TEST(RunIdentity, HasEveryOptionThatMatters) {
     EXPECT_NE(DescribeRun(options), run);
     options = before;
   };
+  expect_other([&]() { options.device = "cuda"; });
   expect_other([&]() { options.reconstruction.training.seed = 1; });
   expect_other(
       [&]() { options.reconstruction.loss.patch_weight *= 1 + 1e-15; });

@@ -155,6 +155,15 @@ TEST_F(BadInputTest, ExistingWorkspaceNeedsADecision) {
   ExpectError("--workspace_path");
 }
 
+TEST_F(BadInputTest, UnknownOrUnsuitableDevice) {
+  Add({"--StructNeRF.device=tpu"});
+  ExpectError("--StructNeRF.device is tpu, but must be auto, cpu or cuda.");
+  Add({"--StructNeRF.field=mlp"});
+  options_.arguments[options_.arguments.size() - 2] =
+      "--StructNeRF.device=cuda";
+  ExpectError("--StructNeRF.device is cuda, but");
+}
+
 TEST_F(BadInputTest, OutputOverTheInput) {
   Remove("--output_path");
   Add({"--output_path", temp_dir_.Path(), "--overwrite"});

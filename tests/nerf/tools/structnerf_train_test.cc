@@ -1,5 +1,6 @@
 // Runs the program as a user does.
 
+#include "nerf/engine/render_engine.h"
 #include "nerf/reconstructor.h"
 #include "nerf/scene_file.h"
 #include "nerf/tools/maps_folder.h"
@@ -22,6 +23,7 @@ namespace structnerf {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 constexpr char kSmallRun[] =
     "--StructNeRF.quality=low --StructNeRF.num_steps=40 "
@@ -86,6 +88,7 @@ TEST_F(StructnerfTrainTest, MapsAreThoseOfTheMethod) {
   ASSERT_EQ(Run(kSmallRun), 0) << output_;
   EXPECT_THAT(output_, HasSubstr("40 steps"));
   EXPECT_THAT(output_, HasSubstr("Rendering depth maps"));
+  EXPECT_THAT(output_, Not(HasSubstr("longer side")));
 
   Reconstructor reconstructor(scene_, SmallRun());
   Progress progress;
@@ -136,7 +139,25 @@ TEST_F(StructnerfTrainTest, SaysWhatIsWrongAndWritesNothing) {
   expect_error("", "scene.bin is not a scene");
   WriteScene(Scene(), folder_ / "scene.bin");
   expect_error("", "fewer than two registered images");
+  expect_error("--StructNeRF.device=tpu", "must be auto, cpu or cuda");
   expect_error("--output_path=" + folder_ / "log/maps", "could not be written");
+}
+
+TEST_F(StructnerfTrainTest, WarnsOfImagesOfAnotherQuality) {
+  ReconstructionOptions options = SmallRun();
+  options.training.num_steps = 1;
+  options.training.max_image_size = 32;
+  std::string warnings;
+  Progress progress;
+  ReconstructIntoFolder(
+      scene_,
+      options,
+      MakeGridEngine,
+      MapsPath(),
+      [&](const std::string& warning) { warnings += warning; },
+      &progress);
+  EXPECT_THAT(warnings, HasSubstr("has 48 pixels along its longer side"));
+  EXPECT_THAT(warnings, HasSubstr("but 32"));
 }
 
 TEST_F(StructnerfTrainTest, AbortingLeavesNothing) {
@@ -156,10 +177,14 @@ TEST_F(StructnerfTrainTest, AbortingLeavesNothing) {
   };
   AbortingProgress progress;
   progress.path = MapsPath();
-  EXPECT_THROW(
-      ReconstructIntoFolder(
-          scene_, SmallRun(), MapsPath(), [](const std::string&) {}, &progress),
-      Aborted);
+  EXPECT_THROW(ReconstructIntoFolder(
+                   scene_,
+                   SmallRun(),
+                   MakeGridEngine,
+                   MapsPath(),
+                   [](const std::string&) {},
+                   &progress),
+               Aborted);
   EXPECT_TRUE(progress.is_aborting);
   EXPECT_TRUE(std::filesystem::is_empty(folder_.Path()));
 }

@@ -28,6 +28,19 @@ TEST(TrainArguments, DefaultsAreThoseOfTheCommand) {
   EXPECT_EQ(arguments.output_path, "maps");
   EXPECT_EQ(arguments.options.training.num_steps,
             QualityPreset("medium").training.num_steps);
+  EXPECT_EQ(arguments.device, "cpu");
+}
+
+// What the option stands for depends on the field, which comes later here.
+TEST(TrainArguments, TheDeviceIsOneThatTheMachineHas) {
+  EXPECT_EQ(ParseTrainArguments(WithPaths({"--StructNeRF.device=auto",
+                                           "--StructNeRF.field=mlp"}))
+                .device,
+            "cpu");
+  ExpectError(WithPaths({"--StructNeRF.device=cuda", "--StructNeRF.field=mlp"}),
+              "--StructNeRF.device is cuda, but");
+  ExpectError(WithPaths({"--StructNeRF.device=tpu"}),
+              "must be auto, cpu or cuda");
 }
 
 TEST(TrainArguments, OptionsChangeQualityAndMethodInAnyOrder) {
@@ -54,6 +67,8 @@ TEST(TrainArguments, WhatIsWrongIsNamed) {
   ExpectError(WithPaths({"maps"}), "argument maps");
   ExpectError(WithPaths({"--StructNeRF.seed"}), "--StructNeRF.seed needs");
   ExpectError(WithPaths({"--StructNeRF.sed=1"}), "no option --StructNeRF.sed");
+  ExpectError(WithPaths({"--StructNeRF.max_image_size=64"}),
+              "no option --StructNeRF.max_image_size");
   for (const char* text : {"many", "1.5", "1 ", ""}) {
     ExpectError(WithPaths({std::string("--StructNeRF.seed=") + text}),
                 "--StructNeRF.seed cannot be read");

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+
+// Marks functions that run on the device, and on the host for tests.
+#ifdef __CUDACC__
+#define STRUCTNERF_HOST_DEVICE __host__ __device__
+#else
+#define STRUCTNERF_HOST_DEVICE
+#endif
+
+namespace structnerf {
+
+// *sum += value, whatever other threads do to it.
+STRUCTNERF_HOST_DEVICE inline void AtomicAdd(const float value, float* sum) {
+#ifdef __CUDA_ARCH__
+  atomicAdd(sum, value);
+#else
+  float before;
+  __atomic_load(sum, &before, __ATOMIC_RELAXED);
+  float after = before + value;
+  while (!__atomic_compare_exchange(
+      sum, &before, &after, true, __ATOMIC_RELAXED, __ATOMIC_RELAXED)) {
+    after = before + value;
+  }
+#endif
+}
+
+// *flag = 1, likewise.
+STRUCTNERF_HOST_DEVICE inline void AtomicSet(uint32_t* flag) {
+#ifdef __CUDA_ARCH__
+  atomicExch(flag, 1u);
+#else
+  __atomic_store_n(flag, 1u, __ATOMIC_RELAXED);
+#endif
+}
+
+}  // namespace structnerf
