@@ -100,6 +100,9 @@ ChecksummedFileWriter::~ChecksummedFileWriter() {
 }
 
 void ChecksummedFileWriter::Write(const void* data, const size_t num_bytes) {
+  if (num_bytes == 0) {
+    return;  // an empty vector has no address that fwrite takes
+  }
   checksum_.Add(data, num_bytes);
   if (std::fwrite(data, 1, num_bytes, file_) != num_bytes) {
     ThrowUnwritable(errno);
@@ -180,6 +183,9 @@ ChecksummedFileReader::ChecksummedFileReader(const FileFormat& format,
 }
 
 void ChecksummedFileReader::Read(void* data, const size_t num_bytes) {
+  if (num_bytes == 0) {
+    return;
+  }
   if (num_bytes > num_bytes_left_ ||
       std::fread(data, 1, num_bytes, file_.get()) != num_bytes) {
     throw std::runtime_error(path_ + " ends too early");
