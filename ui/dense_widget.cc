@@ -23,7 +23,8 @@ std::vector<OptionEntry> AdvancedEntries(StructNerfOptions* options) {
   std::vector<OptionEntry> entries;
   for (const OptionEntry& entry : MakeOptionTable(options)) {
     if (entry.name != "StructNeRF.quality" &&
-        entry.name != "StructNeRF.max_minutes") {
+        entry.name != "StructNeRF.max_minutes" &&
+        entry.name != "StructNeRF.device") {
       entries.push_back(entry);
     }
   }

@@ -52,6 +52,13 @@ SetupPage::SetupPage(StructNerfOptions* options,
           [this](const double minutes) { ChangeTimeLimit(minutes); });
   form->addRow("Time limit", max_minutes_);
 
+  device_ = new QComboBox(this);
+  device_->setObjectName("device");
+  device_->addItems({"cpu", "cuda", "auto"});
+  device_->setToolTip(
+      "Processor or NVIDIA card; auto = a card if there is one");
+  form->addRow("Device", device_);
+
   overwrite_ = new QCheckBox("Replace dense results in the workspace", this);
   overwrite_->setObjectName("overwrite");
   form->addRow("", overwrite_);
@@ -109,6 +116,7 @@ void SetupPage::ShowModel(
   quality_->setCurrentText(quality);
   const QSignalBlocker blocker(max_minutes_);
   max_minutes_->setValue(options_->max_minutes);
+  device_->setCurrentText(QString::fromStdString(options_->device));
   overwrite_->setChecked(options_->overwrite);
   UpdateExpectation();
 }
@@ -141,6 +149,7 @@ void SetupPage::WriteOptions() {
   options_->output_path = workspace_path_->text().toStdString();
   options_->image_path = image_path_->text().toStdString();
   options_->mask_path = mask_path_->text().toStdString();
+  options_->device = device_->currentText().toStdString();
   options_->overwrite = overwrite_->isChecked();
 }
 

@@ -48,6 +48,7 @@ class SetupPage : public QWidget {
   QLineEdit* mask_path_;
   QComboBox* quality_;
   QDoubleSpinBox* max_minutes_;
+  QComboBox* device_;
   QCheckBox* overwrite_;
   QLabel* expectation_;
   QPushButton* start_button_;

@@ -375,8 +375,11 @@ TEST_F(DenseWindowTest, ClosingInTheMiddleAsks) {
 TEST_F(DenseWindowTest, ABadFolderIsNamedInADialog) {
   OpenDialog();
   Find<QLineEdit>("image_path")->setText("/no/such/folder");
+  EXPECT_EQ(Find<QComboBox>("device")->currentText(), "cpu");
+  Find<QComboBox>("device")->setCurrentText("auto");
   AnswerMessage(QMessageBox::Ok);
   Click("start");
+  EXPECT_EQ(options_.device, "auto");
   ASSERT_TRUE(QTest::qWaitFor([this]() { return !message_.empty(); },
                               kRunMilliseconds));
   EXPECT_THAT(message_, HasSubstr("/no/such/folder"));
