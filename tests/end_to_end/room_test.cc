@@ -317,7 +317,7 @@ TEST_F(RoomTest, StaysWithinItsMemory) {
                                            "--StructNeRF.num_steps=10",
                                            "--StructNeRF.stereo_num_iterations",
                                            "1",
-                                           "--StructNeRF.max_memory_gb=0.3"});
+                                           "--StructNeRF.max_memory_gb=0.35"});
   ASSERT_EQ(result.exit_code, 0) << result.error;
   std::ifstream file(*temp_dir_ / "small/structnerf/report.json");
   const nlohmann::json report = nlohmann::json::parse(file);
