@@ -59,10 +59,7 @@ void CheckPaths(const DenseCommand& command) {
           "--workspace_path runs on an existing workspace; leave out "
           "--input_path and --output_path, or --workspace_path.");
     }
-    if (!fs::is_directory(options.workspace_path)) {
-      throw std::runtime_error("The workspace folder " +
-                               options.workspace_path + " does not exist.");
-    }
+    CheckWorkspaceFolder(options.workspace_path);
     return;
   }
   RequireOptions({{"image_path", options.image_path},

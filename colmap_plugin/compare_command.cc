@@ -3,6 +3,7 @@
 #include "colmap_plugin/commands.h"
 #include "colmap_plugin/evaluation/comparison.h"
 #include "colmap_plugin/evaluation/comparison_report.h"
+#include "colmap_plugin/truth_arguments.h"
 
 #include <cstdlib>
 #include <iostream>
@@ -42,19 +43,8 @@ bool ParseCompareCommand(const std::vector<std::string>& args,
   manager.AddDefaultOption("output_path",
                            &command->output_path,
                            "Folder for comparison.html and comparison.json");
-  manager.AddDefaultOption(
-      "ground_truth_path",
-      &options.truth.path,
-      "Folder with 16-bit depth PNGs named after the images");
-  manager.AddDefaultOption(
-      "depth_scale", &options.truth.scale, "Their value for one metre");
-  manager.AddDefaultOption(
-      "input_path",
-      &options.input_path,
-      "Model of the original images that the truth belongs to; empty = it "
-      "belongs to the workspaces' undistorted images");
-  manager.AddDefaultOption(
-      "image_path", &options.image_path, "Folder with those original images");
+  AddTruthArguments(
+      &options.truth, &options.input_path, &options.image_path, &manager);
   manager.AddDefaultOption("map_type",
                            &options.map_type,
                            "Maps to compare {geometric, photometric}");

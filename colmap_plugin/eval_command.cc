@@ -4,6 +4,7 @@
 #include "colmap_plugin/evaluation/evaluation_report.h"
 #include "colmap_plugin/evaluation/evaluator.h"
 #include "colmap_plugin/text_output.h"
+#include "colmap_plugin/truth_arguments.h"
 
 #include <cstdlib>
 #include <iostream>
@@ -23,24 +24,13 @@ bool ParseEvalCommand(const std::vector<std::string>& args,
   manager.AddDefaultOption("workspace_path",
                            &options.workspace_path,
                            "Dense workspace, ours or PatchMatch's");
-  manager.AddDefaultOption(
-      "ground_truth_path",
-      &options.truth.path,
-      "Folder with 16-bit depth PNGs named after the images");
-  manager.AddDefaultOption(
-      "depth_scale", &options.truth.scale, "Their value for one metre");
+  AddTruthArguments(
+      &options.truth, &options.input_path, &options.image_path, &manager);
   manager.AddDefaultOption(
       "min_depth", &options.truth.min_depth, "Nearer truth is ignored, metres");
   manager.AddDefaultOption("max_depth",
                            &options.truth.max_depth,
                            "Farther truth is ignored, metres; 0 = none");
-  manager.AddDefaultOption(
-      "input_path",
-      &options.input_path,
-      "Model of the original images that the truth belongs to; empty = it "
-      "belongs to the workspace's undistorted images");
-  manager.AddDefaultOption(
-      "image_path", &options.image_path, "Folder with those original images");
   manager.AddDefaultOption(
       "test_workspace_path",
       &options.held_out.test_workspace_path,

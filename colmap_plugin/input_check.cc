@@ -88,6 +88,13 @@ void CheckModel(const colmap::Reconstruction& reconstruction) {
   }
 }
 
+void CheckWorkspaceFolder(const std::string& path) {
+  if (!fs::is_directory(path)) {
+    throw std::runtime_error("The workspace folder " + path +
+                             " does not exist.");
+  }
+}
+
 void CheckImages(const colmap::Reconstruction& reconstruction,
                  const std::string& image_path) {
   if (!fs::is_directory(image_path)) {

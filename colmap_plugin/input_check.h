@@ -20,6 +20,9 @@ colmap::Reconstruction ReadModel(const std::string& path);
 // undistorted, and image names that stay inside the workspace.
 void CheckModel(const colmap::Reconstruction& reconstruction);
 
+// Throws std::runtime_error if there is no such folder of a dense workspace.
+void CheckWorkspaceFolder(const std::string& path);
+
 // Every registered image exists below `image_path`, can be read and has the
 // size of its camera.
 void CheckImages(const colmap::Reconstruction& reconstruction,

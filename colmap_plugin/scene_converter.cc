@@ -60,18 +60,11 @@ cv::Mat ReadImage(const SceneConverterOptions& options, const View& view) {
   return image;
 }
 
-cv::Size ReducedSize(const PinholeCamera& camera, const int max_image_size) {
-  const double scale =
-      std::min(1.0,
-               max_image_size /
-                   static_cast<double>(std::max(camera.width, camera.height)));
-  return {std::max(1, static_cast<int>(std::lround(scale * camera.width))),
-          std::max(1, static_cast<int>(std::lround(scale * camera.height)))};
-}
-
 void LoadPixels(const SceneConverterOptions& options, View* view) {
   const cv::Mat full_image = ReadImage(options, *view);
-  const cv::Size size = ReducedSize(view->camera, options.max_image_size);
+  const PinholeCamera reduced =
+      ReducedCamera(view->camera, options.max_image_size);
+  const cv::Size size(reduced.width, reduced.height);
   cv::Mat image;
   cv::resize(full_image, image, size, 0, 0, cv::INTER_AREA);
   cv::cvtColor(image, image, cv::COLOR_BGR2RGB);
@@ -139,6 +132,18 @@ PinholeCamera ToPinholeCamera(const colmap::Camera& camera) {
           camera.FocalLengthY(),
           camera.PrincipalPointX(),
           camera.PrincipalPointY()};
+}
+
+PinholeCamera ReducedCamera(const PinholeCamera& camera,
+                            const int max_image_size) {
+  const int longest = std::max(camera.width, camera.height);
+  if (longest <= max_image_size) {
+    return camera;
+  }
+  const double scale = max_image_size / static_cast<double>(longest);
+  return camera.Resized(
+      std::max(1, static_cast<int>(std::lround(scale * camera.width))),
+      std::max(1, static_cast<int>(std::lround(scale * camera.height))));
 }
 
 Scene ConvertGeometry(const colmap::Reconstruction& reconstruction) {

@@ -400,15 +400,11 @@ void StructNerfController::CheckConsistency() {
         photometric.height,
         EstimateConfidence(
             scene_.views[i].camera, photometric, consistency.angles));
-    std::vector<uint8_t> is_consistent(photometric.depth.size(), 0);
-    for (const ConsistencyRecord& record : consistency.records) {
-      is_consistent[record.row * photometric.width + record.col] = 1;
-    }
     StereoMaps maps{photometric.width,
                     photometric.height,
                     photometric.depth,
                     photometric.normal};
-    maps.KeepOnly(is_consistent);
+    maps.KeepOnly(ConfirmedPixels(consistency, maps.width));
     workspace_->WriteMaps(name, MapType::kGeometric, maps);
     workspace_->WriteConsistencyGraph(
         name, maps.width, maps.height, consistency.records);

@@ -34,14 +34,6 @@ double AngleWeight(const double angle) {
   return std::exp(-0.5 * excess * excess);
 }
 
-double TriangulationAngle(const Eigen::Vector3d& center1,
-                          const Eigen::Vector3d& center2,
-                          const Eigen::Vector3d& xyz) {
-  const Eigen::Vector3d ray1 = center1 - xyz;
-  const Eigen::Vector3d ray2 = center2 - xyz;
-  return std::atan2(ray1.cross(ray2).norm(), ray1.dot(ray2));
-}
-
 // Median depth of the sparse points in their views.
 double TypicalDepth(const Scene& scene) {
   std::vector<double> depths;
@@ -83,6 +75,14 @@ std::vector<std::vector<int>> SelectNeighborViews(
 }
 
 }  // namespace
+
+double TriangulationAngle(const Eigen::Vector3d& center1,
+                          const Eigen::Vector3d& center2,
+                          const Eigen::Vector3d& xyz) {
+  const Eigen::Vector3d ray1 = center1 - xyz;
+  const Eigen::Vector3d ray2 = center2 - xyz;
+  return std::atan2(ray1.cross(ray2).norm(), ray1.dot(ray2));
+}
 
 std::vector<std::vector<int>> SelectSourceViews(const Scene& scene,
                                                 const int num_sources) {

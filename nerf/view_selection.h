@@ -8,7 +8,14 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
 namespace structnerf {
+
+// Angle in radians, in [0, pi], between the rays from two cameras to a point.
+double TriangulationAngle(const Eigen::Vector3d& center1,
+                          const Eigen::Vector3d& center2,
+                          const Eigen::Vector3d& xyz);
 
 // Source views for each view, best first, at most `num_sources`. A source is
 // good if it shares many sparse points that are seen from it under a useful

@@ -1,9 +1,9 @@
 #include "ui/comparison_bar.h"
 
 #include "ui/error_dialog.h"
+#include "ui/folder_edit.h"
 
 #include <QDesktopServices>
-#include <QFileDialog>
 #include <QHBoxLayout>
 #include <QUrl>
 #include <filesystem>
@@ -18,15 +18,9 @@ ComparisonBar::ComparisonBar(QWidget* parent) : QWidget(parent) {
   auto* row = new QHBoxLayout(this);
   row->setContentsMargins(0, 0, 0, 0);
   row->addWidget(new QLabel("Compare with", this));
-  other_path_ = new QLineEdit(this);
-  other_path_->setObjectName("other_path");
+  other_path_ = AddFolderEdit("other_path", this, row);
   other_path_->setToolTip(
       "Another dense workspace of these images, for instance PatchMatch's");
-  row->addWidget(other_path_, 1);
-  auto* select_button = new QPushButton("Select folder", this);
-  connect(
-      select_button, &QPushButton::clicked, this, [this]() { SelectFolder(); });
-  row->addWidget(select_button);
   compare_button_ = new QPushButton("Compare", this);
   compare_button_->setObjectName("compare");
   connect(compare_button_, &QPushButton::clicked, this, [this]() {
@@ -43,14 +37,6 @@ ComparisonBar::ComparisonBar(QWidget* parent) : QWidget(parent) {
 void ComparisonBar::ShowWorkspace(const std::string& path) {
   workspace_path_ = path;
   other_path_->setText(QString::fromStdString(FindOtherWorkspace(path)));
-}
-
-void ComparisonBar::SelectFolder() {
-  const QString folder = QFileDialog::getExistingDirectory(
-      this, "Select folder", other_path_->text());
-  if (!folder.isEmpty()) {
-    other_path_->setText(folder);
-  }
 }
 
 void ComparisonBar::StartOrCancel() {

@@ -24,7 +24,6 @@ class ComparisonBar : public QWidget {
   void ShowWorkspace(const std::string& path);
 
  private:
-  void SelectFolder();
   void StartOrCancel();
   void Poll();
 

@@ -2,9 +2,9 @@
 
 #include "colmap_plugin/quality_choice.h"
 #include "colmap_plugin/run_plan.h"
+#include "ui/folder_edit.h"
 #include "ui/run_expectation.h"
 
-#include <QFileDialog>
 #include <QFormLayout>
 #include <QHBoxLayout>
 #include <QVBoxLayout>
@@ -86,19 +86,8 @@ SetupPage::SetupPage(StructNerfOptions* options,
 QLineEdit* SetupPage::AddFolder(const QString& label,
                                 const char* name,
                                 QFormLayout* form) {
-  auto* path = new QLineEdit(this);
-  path->setObjectName(name);
-  auto* button = new QPushButton("Select folder", this);
-  connect(button, &QPushButton::clicked, this, [this, path]() {
-    const QString folder =
-        QFileDialog::getExistingDirectory(this, "Select folder", path->text());
-    if (!folder.isEmpty()) {
-      path->setText(folder);
-    }
-  });
   auto* row = new QHBoxLayout();
-  row->addWidget(path, 1);
-  row->addWidget(button);
+  QLineEdit* path = AddFolderEdit(name, this, row);
   form->addRow(label, row);
   return path;
 }

@@ -295,10 +295,7 @@ void ComparisonOptions::Check() const {
       throw std::runtime_error(
           "Two workspaces are needed: structnerf_compare A B.");
     }
-    if (!fs::is_directory(path)) {
-      throw std::runtime_error("The workspace folder " + path +
-                               " does not exist.");
-    }
+    CheckWorkspaceFolder(path);
   }
   if (map_type != MapTypeName(MapType::kGeometric) &&
       map_type != MapTypeName(MapType::kPhotometric)) {
@@ -311,14 +308,7 @@ void ComparisonOptions::Check() const {
         "The option --max_pictured_views must not be negative, --picture_size "
         "must be at least 16.");
   }
-  if (input_path.empty() != image_path.empty()) {
-    throw std::runtime_error(
-        "The options --input_path and --image_path, the original model and "
-        "images that ground truth belongs to, go together.");
-  }
-  if (!truth.path.empty()) {
-    truth.Check();
-  }
+  CheckTruth(truth, input_path, image_path);
 }
 
 double Comparison::DisplayScale() const {

@@ -23,12 +23,16 @@ class PictureMaker {
                    std::binary_search(sources.truth->Names().begin(),
                                       sources.truth->Names().end(),
                                       name)) {
+    if (has_truth_) {
+      true_depth_ = sources.truth->Depth(name);
+    }
     for (size_t i = 0; i < 2; ++i) {
       depths_[i] = sources.maps[i]->Depth(name, Workspace(i).map_type);
       if (has_truth_ && depths_[i]) {
         errors_[i] =
             AbsoluteErrors(*depths_[i],
                            Workspace(i).evaluation->scale.metres_per_unit,
+                           true_depth_,
                            name,
                            sources.truth);
       }
@@ -81,7 +85,7 @@ class PictureMaker {
 
   HtmlPicture TrueDepth() const {
     return Picture("True depth",
-                   DepthPicture(sources_.truth->Depth(name_),
+                   DepthPicture(true_depth_,
                                 comparison_.nearest_depth,
                                 comparison_.farthest_depth));
   }
@@ -132,6 +136,7 @@ class PictureMaker {
   const PictureSources& sources_;
   const std::string name_;
   const bool has_truth_;
+  cv::Mat1f true_depth_;  // metres; empty = none
   std::array<std::optional<PredictedDepth>, 2> depths_;
   std::array<cv::Mat1f, 2> errors_;  // empty = none
 };

@@ -1,12 +1,12 @@
 #include "colmap_plugin/evaluation/evaluator.h"
 
+#include "colmap_plugin/evaluation/map_differences.h"
 #include "colmap_plugin/evaluation/pixel_lookup.h"
 #include "colmap_plugin/evaluation/workspace_maps.h"
 #include "colmap_plugin/input_check.h"
 #include "nerf/extract/confidence.h"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <stdexcept>
@@ -143,9 +143,10 @@ class Evaluator {
     Reliability reliability;
     size_t num_done = 0;
     for (const std::string& name : truth_->Names()) {
-      const std::optional<PredictedDepth> predicted = maps.Find(name);
-      if (predicted && fs::exists(workspace_.ConfidencePath(name))) {
-        AddReliability(name, *predicted, metres_per_unit, &reliability);
+      if (fs::exists(workspace_.ConfidencePath(name))) {
+        if (const auto predicted = maps.Find(name)) {
+          AddReliability(name, *predicted, metres_per_unit, &reliability);
+        }
       }
       stage.Report(++num_done, truth_->Names().size());
     }
@@ -165,19 +166,18 @@ class Evaluator {
                                " have different sizes.");
     }
     const cv::Mat1f truth = truth_->Depth(name);
-    const cv::Mat2d& rays = truth_->Rays(name, truth.size());
-    const cv::Mat1f depth = LookUp(rays, predicted.camera, predicted.depth);
+    const cv::Mat1f errors =
+        AbsoluteErrors(predicted, metres_per_unit, truth, name, truth_.get());
     const cv::Mat1f confidence =
-        LookUp(rays,
+        LookUp(truth_->Rays(name, truth.size()),
                predicted.camera,
                cv::Mat1f(array.height, array.width, array.values.data()));
     for (int row = 0; row < truth.rows; ++row) {
       for (int col = 0; col < truth.cols; ++col) {
-        if (truth(row, col) > 0 && depth(row, col) > 0) {
-          const double ratio =
-              metres_per_unit * depth(row, col) / truth(row, col);
-          reliability->Add(confidence(row, col),
-                           std::abs(ratio - 1) <= kConfidentError);
+        if (errors(row, col) >= 0) {
+          reliability->Add(
+              confidence(row, col),
+              errors(row, col) <= kConfidentError * truth(row, col));
         }
       }
     }
@@ -282,18 +282,8 @@ void EvaluationOptions::Check() const {
   if (workspace_path.empty()) {
     throw std::runtime_error("The option --workspace_path is missing.");
   }
-  if (!fs::is_directory(workspace_path)) {
-    throw std::runtime_error("The workspace folder " + workspace_path +
-                             " does not exist.");
-  }
-  if (input_path.empty() != image_path.empty()) {
-    throw std::runtime_error(
-        "The options --input_path and --image_path, the original model and "
-        "images that ground truth belongs to, go together.");
-  }
-  if (!truth.path.empty()) {
-    truth.Check();
-  }
+  CheckWorkspaceFolder(workspace_path);
+  CheckTruth(truth, input_path, image_path);
   cloud.Check();
   for (const auto& [name, path] :
        {std::pair("lpips_path", held_out.lpips_path),

@@ -29,9 +29,9 @@ cv::Mat1f RelativeDifferences(const PredictedDepth& a,
 
 cv::Mat1f AbsoluteErrors(const PredictedDepth& prediction,
                          const double metres_per_unit,
+                         const cv::Mat1f& true_depth,
                          const std::string& name,
                          TruthViews* truth) {
-  const cv::Mat1f true_depth = truth->Depth(name);
   const cv::Mat1f predicted = LookUp(truth->Rays(name, true_depth.size()),
                                      prediction.camera,
                                      prediction.depth);

@@ -18,8 +18,10 @@ cv::Mat1f RelativeDifferences(const PredictedDepth& a,
 
 // |prediction - truth| in metres at the pixels of an image's truth; -1 where
 // one of the two has no depth.
+//   true_depth: truth->Depth(name).
 cv::Mat1f AbsoluteErrors(const PredictedDepth& prediction,
                          double metres_per_unit,
+                         const cv::Mat1f& true_depth,
                          const std::string& name,
                          TruthViews* truth);
 

@@ -13,6 +13,19 @@
 
 namespace structnerf {
 
+void CheckTruth(const DepthTruthOptions& truth,
+                const std::string& input_path,
+                const std::string& image_path) {
+  if (input_path.empty() != image_path.empty()) {
+    throw std::runtime_error(
+        "The options --input_path and --image_path, the original model and "
+        "images that ground truth belongs to, go together.");
+  }
+  if (!truth.path.empty()) {
+    truth.Check();
+  }
+}
+
 TruthViews::TruthViews(const colmap::Reconstruction& model,
                        std::string image_path,
                        const DepthTruthOptions& options)

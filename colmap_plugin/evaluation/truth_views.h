@@ -63,4 +63,11 @@ class TruthViews {
   cv::Mat2d rays_;
 };
 
+// Throws std::runtime_error, naming the option, if one is wrong. An empty
+// `truth.path` is no truth, empty `input_path` and `image_path` mean that it
+// belongs to undistorted images.
+void CheckTruth(const DepthTruthOptions& truth,
+                const std::string& input_path,
+                const std::string& image_path);
+
 }  // namespace structnerf

@@ -92,7 +92,9 @@ class FrameRenderer {
     }
     for (View& view : views) {
       CheckName(view.name);
-      Reduce(&view.camera);
+      if (options_.max_image_size > 0) {
+        view.camera = ReducedCamera(view.camera, options_.max_image_size);
+      }
     }
     return views;
   }
@@ -102,17 +104,6 @@ class FrameRenderer {
       throw std::runtime_error("The name " + Printable(name) + " in " +
                                options_.poses_path +
                                " would be written outside of --output_path.");
-    }
-  }
-
-  void Reduce(PinholeCamera* camera) const {
-    const int longest = std::max(camera->width, camera->height);
-    if (options_.max_image_size > 0 && longest > options_.max_image_size) {
-      const double scale =
-          static_cast<double>(options_.max_image_size) / longest;
-      *camera = camera->Resized(
-          std::max(1, static_cast<int>(std::lround(scale * camera->width))),
-          std::max(1, static_cast<int>(std::lround(scale * camera->height))));
     }
   }
 
@@ -166,10 +157,7 @@ void RenderOptions::Check() const {
   RequireOptions(
       {{"workspace_path", workspace_path}, {"output_path", output_path}},
       "--workspace_path and --output_path");
-  if (!fs::is_directory(workspace_path)) {
-    throw std::runtime_error("The workspace folder " + workspace_path +
-                             " does not exist.");
-  }
+  CheckWorkspaceFolder(workspace_path);
   if (path != "input" && path != "orbit") {
     throw std::runtime_error(
         "The option --path must be input or orbit, but is " + path + ".");

@@ -39,9 +39,7 @@ class DeviceEngine : public GridEngine {
         pool_(options.num_threads),
         field_(layout_, options.min_color_weight, device_.get()),
         batch_(std::make_unique<Batch>(device_.get())),
-        cache_(options.sampling.cache_resolution,
-               options.extent,
-               options.initial_density) {
+        cache_(MakeCache(options)) {
     SetParameters(
         InitialParameters(layout_, options.initial_density, options.seed));
   }
@@ -123,9 +121,7 @@ class DeviceEngine : public GridEngine {
     SetParameters(parameters);
     field_.ClearMoments();
     num_updates_ = 0;
-    cache_ = DensityCache(options_.sampling.cache_resolution,
-                          options_.extent,
-                          options_.initial_density);
+    cache_ = MakeCache(options_);
   }
 
   void Restart(const int seed) override {

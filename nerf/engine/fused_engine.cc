@@ -43,9 +43,7 @@ class FusedEngine : public GridEngine {
         pool_(options.num_threads),
         network_(layout_),
         grid_(layout_, MaxTileSamples(), pool_.NumThreads()),
-        cache_(options.sampling.cache_resolution,
-               options.extent,
-               options.initial_density),
+        cache_(MakeCache(options)),
         network_values_(layout_.num_network_parameters),
         network_gradient_(layout_.num_network_parameters),
         network_first_moment_(layout_.num_network_parameters),
@@ -193,9 +191,7 @@ class FusedEngine : public GridEngine {
       std::fill(moments->data(), moments->data() + moments->size(), 0.0f);
     }
     num_updates_ = 0;
-    cache_ = DensityCache(options_.sampling.cache_resolution,
-                          options_.extent,
-                          options_.initial_density);
+    cache_ = MakeCache(options_);
   }
 
   void Restart(const int seed) override {

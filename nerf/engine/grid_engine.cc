@@ -26,6 +26,12 @@ void GridEngine::RebuildDensityCache(Progress* progress) {
   }
 }
 
+DensityCache GridEngine::MakeCache(const EngineOptions& options) {
+  return DensityCache(options.sampling.cache_resolution,
+                      options.extent,
+                      options.initial_density);
+}
+
 RaySamplingParameters GridEngine::MakeSamplingParameters(
     const SamplingOptions& options) {
   RaySamplingParameters parameters;

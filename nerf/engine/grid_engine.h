@@ -23,6 +23,9 @@ class GridEngine : public RenderEngine {
  protected:
   virtual DensityCache* MutableCache() = 0;
 
+  // A cache that has seen nothing yet.
+  static DensityCache MakeCache(const EngineOptions& options);
+
   static RaySamplingParameters MakeSamplingParameters(
       const SamplingOptions& options);
 

@@ -62,13 +62,8 @@ class TorchEngine : public GridEngine {
         layout_(options.field, options.extent),
         type_(precision == TorchPrecision::kDouble ? torch::kDouble
                                                    : torch::kFloat),
-        cache_(options.sampling.cache_resolution,
-               options.extent,
-               options.initial_density) {
-    sampling_.num_bins = options.sampling.num_bins;
-    sampling_.num_samples = options.sampling.num_samples;
-    sampling_.uniform_share =
-        static_cast<float>(options.sampling.uniform_share);
+        sampling_(MakeSamplingParameters(options.sampling)),
+        cache_(MakeCache(options)) {
     SetParameters(
         InitialParameters(layout_, options.initial_density, options.seed));
     for (Moments* moments : {&grid_moments_, &network_moments_}) {
@@ -259,9 +254,7 @@ class TorchEngine : public GridEngine {
       moments->second.zero_();
     }
     num_updates_ = 0;
-    cache_ = DensityCache(options_.sampling.cache_resolution,
-                          options_.extent,
-                          options_.initial_density);
+    cache_ = MakeCache(options_);
   }
 
   void Restart(const int seed) override {

@@ -1,11 +1,12 @@
 #include "nerf/extract/consistency.h"
 
+#include "nerf/view_selection.h"
+
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <utility>
 
-#include <Eigen/Geometry>
 #include <Eigen/LU>
 
 namespace structnerf {
@@ -79,14 +80,7 @@ bool Confirms(const PixelTransfer& forward,
          options.max_reprojection_error * options.max_reprojection_error;
 }
 
-// Angle in degrees under which the point at `in_reference` is seen from the
-// reference camera and from `center`, both in the reference camera's frame.
-double AngleBetweenRays(const Eigen::Vector3d& in_reference,
-                        const Eigen::Vector3d& center) {
-  const Eigen::Vector3d from_center = in_reference - center;
-  const double sine = in_reference.cross(from_center).norm();
-  return std::atan2(sine, in_reference.dot(from_center)) * 180.0 / M_PI;
-}
+constexpr double kDegrees = 180.0 / M_PI;
 
 // A source view, as seen from the view that is checked.
 struct Source {
@@ -116,15 +110,14 @@ double WidestAngle(const SparsePoint& point,
                    const std::vector<Eigen::Vector3d>& centers) {
   double widest = 0;
   for (size_t i = 0; i < point.track.size(); ++i) {
-    const Eigen::Vector3d& center = centers[point.track[i].view_idx];
     for (size_t j = i + 1; j < point.track.size(); ++j) {
-      widest =
-          std::max(widest,
-                   AngleBetweenRays(point.xyz - center,
-                                    centers[point.track[j].view_idx] - center));
+      widest = std::max(widest,
+                        TriangulationAngle(centers[point.track[i].view_idx],
+                                           centers[point.track[j].view_idx],
+                                           point.xyz));
     }
   }
-  return widest;
+  return kDegrees * widest;
 }
 
 }  // namespace
@@ -172,7 +165,10 @@ ViewConsistency CheckConsistency(const Scene& scene,
                      options)) {
           record.view_idxs.push_back(source.view_idx);
           angle =
-              std::max(angle, AngleBetweenRays(in_reference, source.center));
+              std::max(angle,
+                       kDegrees * TriangulationAngle(Eigen::Vector3d::Zero(),
+                                                     source.center,
+                                                     in_reference));
         }
       }
       consistency.angles[pixel] = static_cast<float>(angle);
@@ -187,6 +183,15 @@ ViewConsistency CheckConsistency(const Scene& scene,
     std::move(row.begin(), row.end(), std::back_inserter(consistency.records));
   }
   return consistency;
+}
+
+std::vector<uint8_t> ConfirmedPixels(const ViewConsistency& consistency,
+                                     const int width) {
+  std::vector<uint8_t> is_confirmed(consistency.angles.size(), 0);
+  for (const ConsistencyRecord& record : consistency.records) {
+    is_confirmed[static_cast<size_t>(record.row) * width + record.col] = 1;
+  }
+  return is_confirmed;
 }
 
 ExtractionOptions FitToScene(const ExtractionOptions& options,

@@ -5,6 +5,7 @@
 #include "nerf/scene.h"
 #include "nerf/util/thread_pool.h"
 
+#include <cstdint>
 #include <vector>
 
 namespace structnerf {
@@ -30,6 +31,10 @@ ViewConsistency CheckConsistency(const Scene& scene,
                                  const std::vector<int>& source_view_idxs,
                                  const ExtractionOptions& options,
                                  ThreadPool* pool);
+
+// Whether each pixel of a view so wide is in the records: 1 or 0. Row-major.
+std::vector<uint8_t> ConfirmedPixels(const ViewConsistency& consistency,
+                                     int width);
 
 // The options for a scene that offers less than they ask for: at most all other
 // views must confirm a pixel, and under at most half the median of the angles

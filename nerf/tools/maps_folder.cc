@@ -180,13 +180,10 @@ MapsSummary ReconstructIntoFolder(
     WriteMaps(folder, name, "photometric", maps);
     summary.num_pixels += maps.depth.size();
     summary.num_photometric += NumDepths(maps);
-    std::vector<uint8_t> is_consistent(maps.depth.size(), 0);
     const ViewConsistency consistency = CheckConsistency(
         poses, all_maps, i, reconstructor.SourceViews()[i], extraction, &pool);
-    for (const ConsistencyRecord& record : consistency.records) {
-      is_consistent[record.row * maps.width + record.col] = 1;
-    }
-    KeepOnly([&](const size_t pixel) { return is_consistent[pixel] != 0; },
+    const auto is_confirmed = ConfirmedPixels(consistency, maps.width);
+    KeepOnly([&](const size_t pixel) { return is_confirmed[pixel] != 0; },
              &maps);
     WriteMaps(folder, name, "geometric", maps);
     summary.num_geometric += NumDepths(maps);
