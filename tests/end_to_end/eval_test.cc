@@ -1,14 +1,10 @@
 // Evaluation of a workspace as a user calls it.
 
-#include "tests/end_to_end/run_program.h"
-#include "tests/support/synthetic_room.h"
-#include "tests/support/synthetic_room_writer.h"
-#include "tests/support/temp_dir.h"
+#include "tests/end_to_end/room_run.h"
 
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <memory>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -29,36 +25,16 @@ nlohmann::json ReadJson(const std::string& path) {
 }
 
 // A short run on a small room that keeps every fourth view out.
-class EvalTest : public testing::Test {
+class EvalTest : public RoomRunTest {
  protected:
   static void SetUpTestSuite() {
-    temp_dir_ = std::make_unique<TempDir>();
     SyntheticRoomOptions options;
     options.num_views = 8;
     options.width = 160;
     options.height = 120;
     options.camera_models = {"OPENCV"};
-    WriteSyntheticRoom(MakeSyntheticRoom(options), Room());
-    dense_result_ = RunProgram({"structnerf_dense",
-                                "--image_path",
-                                Room() + "/images",
-                                "--input_path",
-                                Room() + "/sparse/0",
-                                "--output_path",
-                                Dense(),
-                                "--StructNeRF.quality=low",
-                                "--StructNeRF.num_steps=300",
-                                "--StructNeRF.test_every=4"});
+    RunOnRoom(options, {"--StructNeRF.test_every=4"});
   }
-
-  static void TearDownTestSuite() { temp_dir_.reset(); }
-
-  void SetUp() override {
-    ASSERT_EQ(dense_result_.exit_code, 0) << dense_result_.error;
-  }
-
-  static std::string Room() { return *temp_dir_ / "room"; }
-  static std::string Dense() { return *temp_dir_ / "dense"; }
 
   static std::vector<std::string> Arguments(const std::string& output_path) {
     return {"structnerf_eval",
@@ -73,13 +49,7 @@ class EvalTest : public testing::Test {
             "--output_path",
             output_path};
   }
-
-  static std::unique_ptr<TempDir> temp_dir_;
-  static ProgramResult dense_result_;
 };
-
-std::unique_ptr<TempDir> EvalTest::temp_dir_;
-ProgramResult EvalTest::dense_result_;
 
 TEST_F(EvalTest, MeasuresDepthCloudAndHeldOutImages) {
   const std::string path = *temp_dir_ / "eval.json";

@@ -1,10 +1,7 @@
 // New views of a trained field, as a user calls for them.
 
 #include "colmap_plugin/evaluation/median.h"
-#include "tests/end_to_end/run_program.h"
-#include "tests/support/synthetic_room.h"
-#include "tests/support/synthetic_room_writer.h"
-#include "tests/support/temp_dir.h"
+#include "tests/end_to_end/room_run.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +9,6 @@
 #include <fstream>
 #include <iterator>
 #include <limits>
-#include <memory>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -28,34 +24,15 @@ using testing::HasSubstr;
 constexpr int kNumViews = 6;
 
 // A short run on a small room.
-class RenderTest : public testing::Test {
+class RenderTest : public RoomRunTest {
  protected:
   static void SetUpTestSuite() {
-    temp_dir_ = std::make_unique<TempDir>();
     SyntheticRoomOptions options;
     options.num_views = kNumViews;
     options.width = 120;
     options.height = 90;
-    WriteSyntheticRoom(MakeSyntheticRoom(options), Room());
-    dense_result_ = RunProgram({"structnerf_dense",
-                                "--image_path",
-                                Room() + "/images",
-                                "--input_path",
-                                Room() + "/sparse/0",
-                                "--output_path",
-                                Dense(),
-                                "--StructNeRF.quality=low",
-                                "--StructNeRF.num_steps=300"});
+    RunOnRoom(options);
   }
-
-  static void TearDownTestSuite() { temp_dir_.reset(); }
-
-  void SetUp() override {
-    ASSERT_EQ(dense_result_.exit_code, 0) << dense_result_.error;
-  }
-
-  static std::string Room() { return *temp_dir_ / "room"; }
-  static std::string Dense() { return *temp_dir_ / "dense"; }
 
   static ProgramResult Render(const std::string& output_name,
                               std::vector<std::string> arguments,
@@ -86,13 +63,7 @@ class RenderTest : public testing::Test {
         [](const double x, const double y) { return std::abs(x / y - 1); });
     return Median(&differences);
   }
-
-  static std::unique_ptr<TempDir> temp_dir_;
-  static ProgramResult dense_result_;
 };
-
-std::unique_ptr<TempDir> RenderTest::temp_dir_;
-ProgramResult RenderTest::dense_result_;
 
 TEST_F(RenderTest, AtTheInputPosesItShowsThePhotographs) {
   // As many frames as views are the views.

@@ -1,9 +1,8 @@
 // The engine on a device against the one on the CPU.
 
 #include "nerf/cuda/device_engine-inl.h"
-#include "nerf/engine/grid_engine.h"
 #include "tests/nerf/cuda/test_devices.h"
-#include "tests/nerf/engine/random_scene.h"
+#include "tests/nerf/engine/random_training.h"
 #include "tests/nerf/memory_state.h"
 
 #include <cmath>
@@ -18,27 +17,6 @@
 
 namespace structnerf {
 namespace {
-
-constexpr int kTileRays = 11;
-
-EngineOptions MakeOptions() {
-  EngineOptions options;
-  options.field.log2_table_size = 11;
-  options.field.max_resolution = 64;
-  options.sampling.num_bins = 32;
-  options.sampling.cache_resolution = 32;
-  options.extent = Eigen::Vector3f(1.0f, 0.7f, 0.9f);
-  options.num_threads = 2;
-  options.seed = 5;
-  return options;
-}
-
-StepParameters MakeStep(const int step) {
-  StepParameters parameters;
-  parameters.step = step;
-  parameters.num_tiles = 13;
-  return parameters;
-}
 
 double Norm(const std::vector<float>& values) {
   double sum = 0;
@@ -56,24 +34,6 @@ double RelativeDistance(std::vector<float> actual,
   return Norm(actual) / Norm(expected);
 }
 
-// Trains on random gradients. Returns the losses.
-std::vector<double> Train(const int first_step,
-                          const int num_steps,
-                          RenderEngine* engine) {
-  const auto objectives = RandomObjectives(*engine, 3, kTileRays);
-  std::vector<double> losses;
-  for (int step = first_step; step < first_step + num_steps; ++step) {
-    for (const double loss : engine->Accumulate(MakeStep(step), objectives)) {
-      losses.push_back(loss);
-    }
-    EXPECT_TRUE(engine->Update(1e-2f, 5e-3f));
-    if (step % 3 == 2) {
-      engine->RefreshDensityCache(0.9f);
-    }
-  }
-  return losses;
-}
-
 template <class Device>
 class DeviceEngineTest : public DeviceTest<Device> {
  protected:
@@ -88,38 +48,18 @@ class DeviceEngineTest : public DeviceTest<Device> {
 TYPED_TEST_SUITE(DeviceEngineTest, TestDevices);
 
 TYPED_TEST(DeviceEngineTest, RendersAsTheCpuDoes) {
-  EngineOptions options = MakeOptions();
+  EngineOptions options = MakeOptions(2);
   options.min_color_weight = 1e-3f;
   for (const int num_samples : {1, 16, 37}) {
     options.sampling.num_samples = num_samples;
     const auto engine = this->Make(options);
     const auto cpu = MakeFusedEngine(options);
-    const FieldParameters parameters =
-        RandomParameters(cpu->Layout(), 1.0f, 5.0f, 1);
     std::vector<RayTile> tiles;
     for (int tile = 0; tile < 300; ++tile) {  // more than a batch
       const int num_rays = tile % 97 == 0 ? 17 : tile % 5;
       tiles.push_back(RandomRays(9, 0, tile, num_rays));
     }
-    std::vector<RayOutputs> actual;
-    std::vector<RayOutputs> expected;
-    engine->SetParameters(parameters);
-    engine->Render(tiles, /*with_color=*/true, &actual);
-    cpu->SetParameters(parameters);
-    cpu->Render(tiles, /*with_color=*/true, &expected);
-    ASSERT_EQ(actual.size(), tiles.size());
-    for (size_t tile = 0; tile < tiles.size(); ++tile) {
-      for (int ray = 0; ray < tiles[tile].num_rays; ++ray) {
-        const RayOutputs& a = actual[tile];
-        const RayOutputs& e = expected[tile];
-        for (int c = 0; c < 3; ++c) {
-          EXPECT_NEAR(a.color[c][ray], e.color[c][ray], 2e-3);
-        }
-        EXPECT_NEAR(a.depth[ray], e.depth[ray], 1e-5);
-        EXPECT_NEAR(a.depth_variance[ray], e.depth_variance[ray], 1e-5);
-        EXPECT_NEAR(a.opacity[ray], e.opacity[ray], 1e-5);
-      }
-    }
+    ExpectSameRendering(tiles, engine.get(), cpu.get());
   }
 }
 
@@ -127,7 +67,7 @@ TYPED_TEST(DeviceEngineTest, GradientsAreThoseOfTheCpu) {
   for (const int hidden_width : {16, 64}) {
     for (const int num_levels : {1, 3, 16}) {
       SCOPED_TRACE(testing::Message() << hidden_width << " " << num_levels);
-      EngineOptions options = MakeOptions();
+      EngineOptions options = MakeOptions(2);
       options.field.hidden_width = hidden_width;
       options.field.num_levels = num_levels;
       options.min_color_weight = 0;
@@ -160,11 +100,11 @@ TYPED_TEST(DeviceEngineTest, GradientsAreThoseOfTheCpu) {
 }
 
 TYPED_TEST(DeviceEngineTest, GradientsAddUpUntilTheUpdate) {
-  const auto both = this->Make(MakeOptions());
+  const auto both = this->Make(MakeOptions(2));
   std::vector<float> sum;
   for (const int step : {0, 1}) {
     both->Accumulate(MakeStep(step), RandomObjectives(*both, 3, kTileRays));
-    const auto single = this->Make(MakeOptions());
+    const auto single = this->Make(MakeOptions(2));
     single->Accumulate(MakeStep(step), RandomObjectives(*single, 3, kTileRays));
     const std::vector<float> gradient = single->Gradients().network;
     sum.resize(gradient.size());
@@ -179,8 +119,8 @@ TYPED_TEST(DeviceEngineTest, GradientsAddUpUntilTheUpdate) {
 }
 
 TYPED_TEST(DeviceEngineTest, TrainsAsTheCpuDoes) {
-  const auto engine = this->Make(MakeOptions());
-  const auto cpu = MakeFusedEngine(MakeOptions());
+  const auto engine = this->Make(MakeOptions(2));
+  const auto cpu = MakeFusedEngine(MakeOptions(2));
   const FieldParameters initial =
       RandomParameters(cpu->Layout(), 1.0f, 5.0f, 1);
   engine->SetParameters(initial);
@@ -205,8 +145,8 @@ TYPED_TEST(DeviceEngineTest, TrainsAsTheCpuDoes) {
 }
 
 TYPED_TEST(DeviceEngineTest, DensityCachesAreThoseOfTheCpu) {
-  const auto engine = this->Make(MakeOptions());
-  const auto cpu = MakeFusedEngine(MakeOptions());
+  const auto engine = this->Make(MakeOptions(2));
+  const auto cpu = MakeFusedEngine(MakeOptions(2));
   const FieldParameters parameters =
       RandomParameters(cpu->Layout(), 1.0f, 5.0f, 1);
   Progress progress;
@@ -230,7 +170,7 @@ TYPED_TEST(DeviceEngineTest, DensityCachesAreThoseOfTheCpu) {
 }
 
 TYPED_TEST(DeviceEngineTest, RestoredOrRestartedEnginesAreLikeNewOnes) {
-  const EngineOptions options = MakeOptions();
+  const EngineOptions options = MakeOptions(2);
   const auto engine = this->Make(options);
   const FieldParameters initial = engine->MasterParameters();
   const std::vector<double> losses = Train(0, 4, engine.get());
@@ -257,13 +197,13 @@ TYPED_TEST(DeviceEngineTest, RestoredOrRestartedEnginesAreLikeNewOnes) {
 }
 
 TYPED_TEST(DeviceEngineTest, GoesOnFromASavedState) {
-  const auto whole = this->Make(MakeOptions());
+  const auto whole = this->Make(MakeOptions(2));
   Train(0, 5, whole.get());
   MemoryState state;
   whole->SaveState(&state);
   const FieldParameters saved = whole->MasterParameters();
   const std::vector<double> expected = Train(5, 4, whole.get());
-  const auto resumed = this->Make(MakeOptions());
+  const auto resumed = this->Make(MakeOptions(2));
   resumed->LoadState(&state);
   EXPECT_EQ(state.NumBytesLeft(), 0u);
   EXPECT_EQ(resumed->MasterParameters().grid, saved.grid);
@@ -273,7 +213,7 @@ TYPED_TEST(DeviceEngineTest, GoesOnFromASavedState) {
     EXPECT_NEAR(losses[i], expected[i], 1e-3);
   }
 
-  EngineOptions other = MakeOptions();
+  EngineOptions other = MakeOptions(2);
   other.field.log2_table_size = 12;
   state.num_read = 0;
   EXPECT_THROW(this->Make(other)->LoadState(&state), std::runtime_error);
@@ -300,7 +240,7 @@ TYPED_TEST(DeviceEngineTest, RefusesGradientsThatAreNotFinite) {
   for (const float bad : {std::numeric_limits<float>::quiet_NaN(),
                           std::numeric_limits<float>::infinity(),
                           1e30f}) {
-    const auto engine = this->Make(MakeOptions());
+    const auto engine = this->Make(MakeOptions(2));
     const FieldParameters before = engine->Parameters();
     std::vector<std::unique_ptr<TileObjective>> objectives;
     for (int thread = 0; thread < engine->NumThreads(); ++thread) {
@@ -319,7 +259,7 @@ TYPED_TEST(DeviceEngineTest, RefusesGradientsThatAreNotFinite) {
 }
 
 TYPED_TEST(DeviceEngineTest, StepsWithoutRays) {
-  const auto engine = this->Make(MakeOptions());
+  const auto engine = this->Make(MakeOptions(2));
   const FieldParameters before = engine->Parameters();
   StepParameters step = MakeStep(0);
   step.num_tiles = 0;
@@ -330,7 +270,7 @@ TYPED_TEST(DeviceEngineTest, StepsWithoutRays) {
 }
 
 TYPED_TEST(DeviceEngineTest, RefusesMoreLevelsThanKernelsKnow) {
-  EngineOptions options = MakeOptions();
+  EngineOptions options = MakeOptions(2);
   options.field.num_levels = 17;
   EXPECT_THROW(this->Make(options), std::invalid_argument);
 }
@@ -342,7 +282,7 @@ struct SmallEngine {
     auto owned_device = std::make_unique<HostDevice>(max_bytes);
     device = owned_device.get();
     engine = std::make_unique<DeviceEngine<HostDevice>>(
-        MakeOptions(),
+        MakeOptions(2),
         std::move(owned_device),
         [this](const std::string& warning) { warnings.push_back(warning); });
     num_field_bytes = device->NumBytes();

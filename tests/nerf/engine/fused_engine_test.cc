@@ -1,7 +1,7 @@
 #include "nerf/engine/grid_engine.h"
 #include "nerf/engine/torch_engine.h"
 #include "nerf/kernels/half_precision.h"
-#include "tests/nerf/engine/random_scene.h"
+#include "tests/nerf/engine/random_training.h"
 #include "tests/nerf/memory_state.h"
 #include "tests/nerf/simd_targets.h"
 
@@ -13,28 +13,6 @@
 namespace structnerf {
 namespace {
 
-constexpr int kNumTiles = 13;
-constexpr int kTileRays = 11;
-
-EngineOptions MakeOptions(const int num_threads = 1) {
-  EngineOptions options;
-  options.field.log2_table_size = 11;
-  options.field.max_resolution = 64;
-  options.sampling.num_bins = 32;
-  options.sampling.cache_resolution = 32;
-  options.extent = Eigen::Vector3f(1.0f, 0.7f, 0.9f);
-  options.num_threads = num_threads;
-  options.seed = 5;
-  return options;
-}
-
-StepParameters MakeStep(const int step) {
-  StepParameters parameters;
-  parameters.step = step;
-  parameters.num_tiles = kNumTiles;
-  return parameters;
-}
-
 std::vector<RayTile> MakeTiles() {
   std::vector<RayTile> tiles;
   for (const int num_rays : {kMaxTileRays, 1, 0, 17}) {
@@ -43,63 +21,23 @@ std::vector<RayTile> MakeTiles() {
   return tiles;
 }
 
-// Trains on random gradients for some steps. Returns losses and parameters.
-std::vector<double> Train(const int num_steps,
-                          RenderEngine* engine,
-                          FieldParameters* parameters) {
-  const auto objectives = RandomObjectives(*engine, 3, kTileRays);
-  std::vector<double> losses;
-  for (int step = 0; step < num_steps; ++step) {
-    for (const double loss : engine->Accumulate(MakeStep(step), objectives)) {
-      losses.push_back(loss);
-    }
-    EXPECT_TRUE(engine->Update(1e-2f, 5e-3f));
-    if (step % 3 == 2) {
-      engine->RefreshDensityCache(0.9f);
-    }
-  }
-  *parameters = engine->Parameters();
-  return losses;
-}
-
 class FusedEngineTest : public SimdTargetTest {};
 
 TEST_P(FusedEngineTest, RendersAsTheOracleDoes) {
-  EngineOptions options = MakeOptions();
+  EngineOptions options = MakeOptions(1);
   // Few samples lie close enough to it to be seen differently.
   options.min_color_weight = 1e-3f;
   for (const int num_samples : {1, 16, 37}) {
     options.sampling.num_samples = num_samples;
     const auto fused = MakeFusedEngine(options);
     const auto oracle = MakeTorchEngine(options, TorchPrecision::kDouble);
-    const FieldParameters parameters =
-        RandomParameters(fused->Layout(), 1.0f, 5.0f, 1);
-    const std::vector<RayTile> tiles = MakeTiles();
-    std::vector<RayOutputs> actual;
-    std::vector<RayOutputs> expected;
-    fused->SetParameters(parameters);
-    fused->Render(tiles, /*with_color=*/true, &actual);
-    oracle->SetParameters(parameters);
-    oracle->Render(tiles, /*with_color=*/true, &expected);
-    ASSERT_EQ(actual.size(), tiles.size());
-    for (size_t tile = 0; tile < tiles.size(); ++tile) {
-      for (int ray = 0; ray < tiles[tile].num_rays; ++ray) {
-        const RayOutputs& a = actual[tile];
-        const RayOutputs& e = expected[tile];
-        for (int c = 0; c < 3; ++c) {
-          EXPECT_NEAR(a.color[c][ray], e.color[c][ray], 2e-3);
-        }
-        EXPECT_NEAR(a.depth[ray], e.depth[ray], 1e-5);
-        EXPECT_NEAR(a.depth_variance[ray], e.depth_variance[ray], 1e-5);
-        EXPECT_NEAR(a.opacity[ray], e.opacity[ray], 1e-5);
-      }
-    }
+    ExpectSameRendering(MakeTiles(), fused.get(), oracle.get());
   }
 }
 
 // Neither moments nor the density cache nor the weights of levels are left.
 TEST_P(FusedEngineTest, RestoredOrRestartedEnginesAreLikeNewOnes) {
-  EngineOptions options = MakeOptions();
+  EngineOptions options = MakeOptions(1);
   for (const bool is_fused : {true, false}) {
     const auto make_engine = [&] {
       return is_fused ? MakeFusedEngine(options)
@@ -107,8 +45,8 @@ TEST_P(FusedEngineTest, RestoredOrRestartedEnginesAreLikeNewOnes) {
     };
     const auto used = make_engine();
     const FieldParameters initial = used->MasterParameters();
-    FieldParameters parameters;
-    const auto losses = Train(4, used.get(), &parameters);
+    const auto losses = Train(0, 4, used.get());
+    const FieldParameters parameters = used->Parameters();
     StepParameters step = MakeStep(4);
     step.level_weights.assign(used->Layout().levels.size(), 0.0f);
     used->Accumulate(step, RandomObjectives(*used, 3, kTileRays));
@@ -116,22 +54,22 @@ TEST_P(FusedEngineTest, RestoredOrRestartedEnginesAreLikeNewOnes) {
     EXPECT_EQ(used->Parameters().grid[0], 0);
     EXPECT_EQ(used->MasterParameters().grid, parameters.grid);
 
-    FieldParameters again;
     used->Restore(initial);
-    EXPECT_EQ(Train(4, used.get(), &again), losses);
+    EXPECT_EQ(Train(0, 4, used.get()), losses);
+    const FieldParameters again = used->Parameters();
     EXPECT_EQ(again.grid, parameters.grid);
     EXPECT_EQ(again.network, parameters.network);
 
     used->Restart(options.seed + 1);
     EXPECT_NE(used->MasterParameters().grid, initial.grid);
     used->Restart(options.seed);
-    EXPECT_EQ(Train(4, used.get(), &again), losses);
+    EXPECT_EQ(Train(0, 4, used.get()), losses);
   }
 }
 
 // Both take the same steps, up to the rounding of table and moments.
 TEST_P(FusedEngineTest, TrainsAsTheOracleDoes) {
-  const EngineOptions options = MakeOptions();
+  const EngineOptions options = MakeOptions(1);
   const auto fused = MakeFusedEngine(options);
   const auto oracle = MakeTorchEngine(options, TorchPrecision::kFloat);
   FieldParameters initial = RandomParameters(fused->Layout(), 1.0f, 5.0f, 1);
@@ -139,7 +77,8 @@ TEST_P(FusedEngineTest, TrainsAsTheOracleDoes) {
   RenderEngine* const engines[2] = {fused.get(), oracle.get()};
   for (int i = 0; i < 2; ++i) {
     engines[i]->SetParameters(initial);
-    Train(2, engines[i], &parameters[i]);
+    Train(0, 2, engines[i]);
+    parameters[i] = engines[i]->Parameters();
   }
   const auto distance = [](const std::vector<float>& a,
                            const std::vector<float>& b) {
@@ -165,8 +104,8 @@ TEST(FusedEngine, ResultsDoNotDependOnTheNumberOfThreads) {
   for (const int num_threads : {1, 2, 3, 5}) {
     const auto engine = MakeFusedEngine(MakeOptions(num_threads));
     ASSERT_EQ(engine->NumThreads(), num_threads);
-    FieldParameters parameters;
-    const std::vector<double> losses = Train(7, engine.get(), &parameters);
+    const std::vector<double> losses = Train(0, 7, engine.get());
+    const FieldParameters parameters = engine->Parameters();
     std::vector<RayOutputs> outputs;
     engine->Render(tiles, /*with_color=*/true, &outputs);
     if (num_threads == 1) {
@@ -192,18 +131,17 @@ TEST(FusedEngine, ResultsDoNotDependOnTheNumberOfThreads) {
 TEST(FusedEngine, GoesOnFromASavedState) {
   const auto make_engine = [](const bool is_fused, const int num_threads) {
     return is_fused ? MakeFusedEngine(MakeOptions(num_threads))
-                    : MakeTorchEngine(MakeOptions(), TorchPrecision::kDouble);
+                    : MakeTorchEngine(MakeOptions(1), TorchPrecision::kDouble);
   };
   for (const bool is_fused : {true, false}) {
     SCOPED_TRACE(is_fused);
     const auto whole = make_engine(is_fused, 2);
-    FieldParameters expected;
-    FieldParameters parameters;
-    Train(5, whole.get(), &parameters);
+    Train(0, 5, whole.get());
+    const FieldParameters parameters = whole->Parameters();
     MemoryState state;
     whole->SaveState(&state);
-    const std::vector<double> expected_losses =
-        Train(4, whole.get(), &expected);
+    const std::vector<double> expected_losses = Train(0, 4, whole.get());
+    const FieldParameters expected = whole->Parameters();
     // Training has changed all that was saved.
     MemoryState later_state;
     whole->SaveState(&later_state);
@@ -213,9 +151,9 @@ TEST(FusedEngine, GoesOnFromASavedState) {
     resumed->LoadState(&state);
     EXPECT_EQ(state.NumBytesLeft(), 0u);
     EXPECT_EQ(resumed->Parameters().grid, parameters.grid);
-    EXPECT_EQ(Train(4, resumed.get(), &parameters), expected_losses);
-    EXPECT_EQ(parameters.grid, expected.grid);
-    EXPECT_EQ(parameters.network, expected.network);
+    EXPECT_EQ(Train(0, 4, resumed.get()), expected_losses);
+    EXPECT_EQ(resumed->Parameters().grid, expected.grid);
+    EXPECT_EQ(resumed->Parameters().network, expected.network);
     MemoryState resumed_state;
     resumed->SaveState(&resumed_state);
     EXPECT_EQ(resumed_state.bytes, later_state.bytes);
@@ -223,27 +161,27 @@ TEST(FusedEngine, GoesOnFromASavedState) {
 }
 
 TEST(FusedEngine, RefusesTheStateOfAnotherLayout) {
-  EngineOptions options = MakeOptions();
+  EngineOptions options = MakeOptions(1);
   MemoryState state;
   MakeFusedEngine(options)->SaveState(&state);
   options.field.log2_table_size = 12;
   EXPECT_THROW(MakeFusedEngine(options)->LoadState(&state), std::runtime_error);
-  options = MakeOptions();
+  options = MakeOptions(1);
   options.sampling.cache_resolution = 33;
   state.num_read = 0;
   EXPECT_THROW(MakeFusedEngine(options)->LoadState(&state), std::runtime_error);
   state.num_read = 0;
   state.bytes.pop_back();
-  EXPECT_THROW(MakeFusedEngine(MakeOptions())->LoadState(&state),
+  EXPECT_THROW(MakeFusedEngine(MakeOptions(1))->LoadState(&state),
                std::runtime_error);
 }
 
 TEST(FusedEngine, AccumulatesUntilTheUpdate) {
-  const auto both = MakeFusedEngine(MakeOptions());
+  const auto both = MakeFusedEngine(MakeOptions(1));
   std::vector<double> sum;
   for (const int step : {0, 1}) {
     both->Accumulate(MakeStep(step), RandomObjectives(*both, 3, kTileRays));
-    const auto single = MakeFusedEngine(MakeOptions());
+    const auto single = MakeFusedEngine(MakeOptions(1));
     single->Accumulate(MakeStep(step), RandomObjectives(*single, 3, kTileRays));
     const FieldParameters gradients = single->Gradients();
     sum.resize(gradients.grid.size());
@@ -261,7 +199,7 @@ TEST(FusedEngine, AccumulatesUntilTheUpdate) {
 }
 
 TEST(FusedEngine, UpdateClearsTheGradient) {
-  const auto engine = MakeFusedEngine(MakeOptions());
+  const auto engine = MakeFusedEngine(MakeOptions(1));
   engine->Accumulate(MakeStep(0), RandomObjectives(*engine, 3, kTileRays));
   EXPECT_TRUE(engine->Update(1e-2f, 1e-2f));
   const FieldParameters gradients = engine->Gradients();
@@ -273,7 +211,7 @@ TEST(FusedEngine, UpdateClearsTheGradient) {
 }
 
 TEST(FusedEngine, GivesBackTheParametersItWasGiven) {
-  const auto engine = MakeFusedEngine(MakeOptions());
+  const auto engine = MakeFusedEngine(MakeOptions(1));
   FieldParameters parameters =
       RandomParameters(engine->Layout(), 1.0f, 5.0f, 1);
   engine->SetParameters(parameters);
@@ -349,7 +287,7 @@ TEST(FusedEngine, RefusesGradientsThatAreNotFinite) {
 }
 
 TEST(FusedEngine, StepsWithoutRays) {
-  const auto engine = MakeFusedEngine(MakeOptions());
+  const auto engine = MakeFusedEngine(MakeOptions(1));
   const FieldParameters before = engine->Parameters();
   StepParameters step = MakeStep(0);
   step.num_tiles = 0;
@@ -362,8 +300,7 @@ TEST(FusedEngine, StepsWithoutRays) {
 
 TEST(FusedEngine, ProfileCountsEveryStage) {
   const auto engine = MakeFusedEngine(MakeOptions(2));
-  FieldParameters parameters;
-  Train(3, engine.get(), &parameters);
+  Train(0, 3, engine.get());
   for (const double seconds : engine->Profile()) {
     EXPECT_GT(seconds, 0);
     EXPECT_LT(seconds, 60);
