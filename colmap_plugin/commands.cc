@@ -8,9 +8,11 @@
 #include "colmap_plugin/option_table.h"
 #include "colmap_plugin/quality_choice.h"
 #include "colmap_plugin/run_plan.h"
+#include "colmap_plugin/scene_converter.h"
 #include "colmap_plugin/stock_colmap.h"
 #include "colmap_plugin/structnerf_controller.h"
 #include "colmap_plugin/terminal_progress.h"
+#include "nerf/analysis/scene_analysis.h"
 #include "nerf/methods.h"
 #include "nerf/util/interrupts.h"
 
@@ -115,7 +117,8 @@ bool ParseOptionsOfQuality(const std::vector<std::string>& args,
   AddOptions(table, &manager);
   manager.AddDefaultOption("StructNeRF.print_options",
                            &command->print_options,
-                           "Only print what the options come to");
+                           "Only print what the options come to, on the scene "
+                           "of --input_path if that is given");
   manager.stereo_fusion->min_num_pixels = options.fusion.min_num_pixels;
   manager.AddStereoFusionOptions();
 
@@ -162,9 +165,23 @@ bool ParseDenseCommand(const std::vector<std::string>& raw_args,
   return true;
 }
 
-void PrintOptions(StructNerfOptions options) {
+// With what the scene decides, if one is given.
+void PrintOptions(const DenseCommand& command) {
+  StructNerfOptions options = command.options;
+  std::vector<SceneDecision> decisions;
+  if (!ModelPath(command).empty()) {
+    const colmap::Reconstruction model = ReadModel(ModelPath(command));
+    CheckModel(model);
+    SceneAnalysis analysis =
+        AnalyzeScene(OutlineScene(model), options.reconstruction);
+    options.reconstruction = std::move(analysis.options);
+    decisions = std::move(analysis.decisions);
+  }
   for (const OptionEntry& entry : MakeOptionTable(&options)) {
     std::cout << OptionText(entry) << std::endl;
+  }
+  for (const SceneDecision& decision : decisions) {
+    std::cout << "# " << decision.Text() << std::endl;
   }
 }
 
@@ -233,7 +250,7 @@ int RunStructNerfDense(const int argc, char** argv) {
       return EXIT_FAILURE;
     }
     if (command.print_options) {
-      PrintOptions(command.options);
+      PrintOptions(command);
       return EXIT_SUCCESS;
     }
     return RunController(command);

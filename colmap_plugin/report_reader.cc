@@ -29,6 +29,25 @@ void ReadOptions(const json& object, StructNerfOptions* options) {
   }
 }
 
+Eigen::Vector3f VectorOf(const json& array) {
+  return {array.at(0).get<float>(),
+          array.at(1).get<float>(),
+          array.at(2).get<float>()};
+}
+
+// Runs of the time before exposures have none.
+std::vector<Exposure> ReadExposures(const json& report) {
+  std::vector<Exposure> exposures;
+  for (const json& view : report.value("views", json::array())) {
+    if (view.contains("exposure")) {
+      const json& exposure = view["exposure"];
+      exposures.push_back(
+          {VectorOf(exposure.at("gain")), VectorOf(exposure.at("offset"))});
+    }
+  }
+  return exposures;
+}
+
 }  // namespace
 
 FinishedRun ReadReport(const std::string& path) {
@@ -42,6 +61,7 @@ FinishedRun ReadReport(const std::string& path) {
     ReadOptions(report.at("options"), &run.options);
     run.seconds = report.at("seconds");
     run.cpu_seconds = report.at("cpu_seconds");
+    run.exposures = ReadExposures(report);
     return run;
   } catch (const std::exception& error) {
     throw std::runtime_error("The file " + path +

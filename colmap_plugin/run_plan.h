@@ -27,7 +27,8 @@ struct MemoryPlan {
 };
 
 // Reduces the size of the training images until the run stays within the
-// memory limit. Throws std::runtime_error if even the smallest does not.
+// memory limit. Nothing in the options may be kFromScene (AnalyzeScene). Throws
+// std::runtime_error if even the smallest does not.
 MemoryPlan PlanMemory(const StructNerfOptions& options,
                       const std::vector<PinholeCamera>& cameras);
 

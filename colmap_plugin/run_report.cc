@@ -81,6 +81,10 @@ json OptionsJson(const std::map<std::string, OptionValue>& options) {
   return object;
 }
 
+json VectorJson(const Eigen::Vector3f& vector) {
+  return {vector.x(), vector.y(), vector.z()};
+}
+
 json ViewsJson(const std::vector<ViewReport>& views) {
   json array = json::array();
   for (const ViewReport& view : views) {
@@ -88,7 +92,20 @@ json ViewsJson(const std::vector<ViewReport>& views) {
                      {"width", view.width},
                      {"height", view.height},
                      {"photometric_pixels", view.num_photometric},
-                     {"geometric_pixels", view.num_geometric}});
+                     {"geometric_pixels", view.num_geometric},
+                     {"exposure",
+                      {{"gain", VectorJson(view.exposure.gain)},
+                       {"offset", VectorJson(view.exposure.offset)}}}});
+  }
+  return array;
+}
+
+json DecisionsJson(const std::vector<SceneDecision>& decisions) {
+  json array = json::array();
+  for (const SceneDecision& decision : decisions) {
+    array.push_back({{"subject", decision.subject},
+                     {"choice", decision.choice},
+                     {"reason", decision.reason}});
   }
   return array;
 }
@@ -159,7 +176,8 @@ std::string ReportJson(const RunReport& report) {
                        {"scene",
                         {{"views", report.views.size()},
                          {"points", report.num_points3D},
-                         {"training_image_size", report.training_image_size}}},
+                         {"training_image_size", report.training_image_size},
+                         {"decisions", DecisionsJson(report.decisions)}}},
                        {"stages", StagesJson(report.stages)},
                        {"seconds", totals.seconds},
                        {"cpu_seconds", totals.cpu_seconds},
@@ -231,7 +249,11 @@ std::string ReportText(const RunReport& report) {
 void WriteReport(const RunReport& report, const std::string& folder) {
   const std::filesystem::path path(folder);
   WriteTextFile((path / "report.json").string(), ReportJson(report));
-  WriteTextFile((path / "report.txt").string(), ReportText(report));
+  std::string text = ReportText(report) + "\nChosen for this scene:\n";
+  for (const SceneDecision& decision : report.decisions) {
+    text += "  " + decision.Text() + "\n";
+  }
+  WriteTextFile((path / "report.txt").string(), text);
 }
 
 }  // namespace structnerf

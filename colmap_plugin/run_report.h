@@ -1,7 +1,9 @@
 #pragma once
 
 #include "colmap_plugin/option_table.h"
+#include "nerf/analysis/scene_decision.h"
 #include "nerf/reconstructor.h"
+#include "nerf/scene.h"
 
 #include <cstddef>
 #include <map>
@@ -23,6 +25,7 @@ struct ViewReport {
   int height = 0;              // of the maps
   size_t num_photometric = 0;  // pixels given a depth
   size_t num_geometric = 0;    // of these, confirmed by other views
+  Exposure exposure;
 };
 
 // All that is known about a run when it has ended.
@@ -30,6 +33,7 @@ struct RunReport {
   std::map<std::string, OptionValue> options;
   int num_points3D = 0;
   int training_image_size = 0;  // longest side in pixels
+  std::vector<SceneDecision> decisions;
   std::vector<StageReport> stages;
   size_t memory_limit = 0;     // bytes
   size_t expected_memory = 0;  // bytes, planned before the start

@@ -3,6 +3,7 @@
 #include "colmap_plugin/colmap_compat.h"
 #include "colmap_plugin/masks.h"
 #include "colmap_plugin/superpixels.h"
+#include "nerf/scene_guards.h"
 #include "nerf/util/thread_pool.h"
 
 #include <algorithm>
@@ -11,6 +12,8 @@
 #include <filesystem>
 #include <stdexcept>
 #include <unordered_map>
+
+#include <colmap/image/undistortion.h>
 
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -154,6 +157,15 @@ Scene ConvertGeometry(const colmap::Reconstruction& reconstruction) {
     scene.views.push_back(ConvertPose(reconstruction, image_id));
   }
   scene.points = ConvertPoints(reconstruction, view_idxs);
+  return scene;
+}
+
+Scene OutlineScene(const colmap::Reconstruction& reconstruction) {
+  colmap::Reconstruction undistorted = reconstruction;
+  colmap::UndistortReconstruction(colmap::UndistortCameraOptions(),
+                                  &undistorted);
+  Scene scene = ConvertGeometry(undistorted);
+  RemoveContradictoryPoints(&scene);
   return scene;
 }
 

@@ -36,9 +36,13 @@ struct SceneConverterOptions {
 // std::runtime_error, naming the image, if a camera is not undistorted.
 Scene ConvertGeometry(const colmap::Reconstruction& reconstruction);
 
-// The same with the photographs, reduced. Throws std::runtime_error, naming the
-// image or mask, if one cannot be read or does not have the size of its camera;
-// Aborted if told to.
+// The same of a model that need not be undistorted yet, without the points that
+// training will remove (RemoveContradictoryPoints).
+Scene OutlineScene(const colmap::Reconstruction& reconstruction);
+
+// ConvertGeometry with the photographs, reduced. Throws std::runtime_error,
+// naming the image or mask, if one cannot be read or does not have the size of
+// its camera; Aborted if told to.
 Scene ConvertScene(const colmap::Reconstruction& reconstruction,
                    const SceneConverterOptions& options,
                    Progress* progress);

@@ -3,6 +3,8 @@
 #include "colmap_plugin/cloud_fusion.h"
 #include "colmap_plugin/colmap_compat.h"
 #include "colmap_plugin/depth_priors.h"
+#include "colmap_plugin/exposure_fit.h"
+#include "colmap_plugin/image_decisions.h"
 #include "colmap_plugin/input_check.h"
 #include "colmap_plugin/masks.h"
 #include "colmap_plugin/memory_budget.h"
@@ -10,6 +12,7 @@
 #include "colmap_plugin/run_identity.h"
 #include "colmap_plugin/scene_converter.h"
 #include "colmap_plugin/undistorted_images.h"
+#include "nerf/analysis/scene_analysis.h"
 #include "nerf/engine/devices.h"
 #include "nerf/extract/confidence.h"
 #include "nerf/extract/consistency.h"
@@ -177,8 +180,14 @@ void StructNerfController::CheckInput() {
                      ? TotalFileSize(*reconstruction_, options_.image_path)
                      : 0,
                  StagedFolder::NumBytesLeft(options_.ResultPath()));
-  memory_plan_ = PlanMemory(options_, cameras);
+  StructNerfOptions analyzed = options_;
+  analyzed.reconstruction =
+      AnalyzeScene(OutlineScene(*reconstruction_), options_.reconstruction)
+          .options;
+  memory_plan_ = PlanMemory(analyzed, cameras);
   options_.reconstruction.training.max_image_size = memory_plan_.max_image_size;
+  report_.decisions =
+      DescribeImages(options_, *reconstruction_, memory_plan_.max_image_size);
   report_.memory_limit = memory_plan_.limit;
   report_.expected_memory = memory_plan_.expected;
   if (!memory_plan_.note.empty()) {
@@ -274,6 +283,7 @@ void StructNerfController::LoadScene() {
       Warn(sentence);
     }
   }
+  report_.decisions.push_back(ChooseExposures(method.loss.exposure, &scene));
   if (!options_.export_path.empty()) {
     WriteScene(scene, options_.export_path);
   }
@@ -291,6 +301,12 @@ void StructNerfController::LoadScene() {
   for (const std::string& warning : reconstructor_->Warnings()) {
     Warn(warning);
   }
+  const std::vector<SceneDecision>& decisions = reconstructor_->Decisions();
+  report_.decisions.insert(
+      report_.decisions.end(), decisions.begin(), decisions.end());
+  for (const SceneDecision& decision : report_.decisions) {
+    progress_->Note(decision.Text());
+  }
 }
 
 void StructNerfController::Train() {
@@ -298,6 +314,7 @@ void StructNerfController::Train() {
   reconstructor_->Train(
       progress_.get(), checkpoint_options_, TrainingSeconds());
   report_.training = reconstructor_->Summary();
+  options_.reconstruction = reconstructor_->Options();
   source_views_ = reconstructor_->SourceViews();
 }
 
@@ -375,7 +392,8 @@ void StructNerfController::CompletePlanes() {
                              maps.width,
                              maps.height,
                              maps.NumDepths(),
-                             /*num_geometric=*/0});
+                             /*num_geometric=*/0,
+                             scene_.views[i].exposure});
     depth_maps_->Insert(i, std::move(maps));
     ReportFraction(i + 1, image_names_.size());
   }
@@ -474,6 +492,7 @@ void StructNerfController::WriteResults() {
   report_.stages = timer_.Stages();
   report_.peak_memory = PeakMemory();
   report_.workspace_path = options_.ResultPath();
+  // As the scene has completed them.
   for (const OptionEntry& entry : MakeOptionTable(&options_)) {
     report_.options.emplace(entry.name, entry.Value());
   }

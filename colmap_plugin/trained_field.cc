@@ -27,6 +27,11 @@ TrainedField::TrainedField(const std::string& workspace_path) {
   run_ =
       ReadReport((fs::path(workspace.ReportFolder()) / "report.json").string());
   scene_ = ConvertGeometry(ReadModel(workspace.SparsePath()));
+  if (run_.exposures.size() == scene_.views.size()) {
+    for (size_t v = 0; v < scene_.views.size(); ++v) {
+      scene_.views[v].exposure = run_.exposures[v];
+    }
+  }
   viewer_ = std::make_unique<FieldViewer>(scene_,
                                           run_.options.reconstruction,
                                           workspace.FieldPath(),

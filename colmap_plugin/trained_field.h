@@ -21,7 +21,7 @@ class TrainedField {
   // missing, damaged or do not belong together.
   explicit TrainedField(const std::string& workspace_path);
 
-  // The workspace's poses, cameras and points, without pixels.
+  // The workspace's poses, cameras, exposures and points, without pixels.
   const Scene& Geometry() const { return scene_; }
 
   const FinishedRun& Run() const { return run_; }

@@ -25,6 +25,21 @@ class RangeChecker {
     return *this;
   }
 
+  // Or kFromScene.
+  RangeChecker& InOrFromScene(const char* name,
+                              const int value,
+                              const int low,
+                              const int high) {
+    if (message_.empty() && value != kFromScene) {
+      In(name, value, low, high);
+      if (!message_.empty()) {
+        message_ +=
+            " (" + std::to_string(kFromScene) + " leaves it to the scene)";
+      }
+    }
+    return *this;
+  }
+
   RangeChecker& OneOf(const char* name,
                       const std::string& value,
                       const std::vector<std::string>& allowed) {
@@ -66,10 +81,10 @@ bool FieldOptions::Check(std::string* error) const {
   return RangeChecker()
       // The option's name on the command line.
       .OneOf("field", type, {"grid", "mlp"})
-      .In("num_levels", num_levels, 1, 16)
-      .In("log2_table_size", log2_table_size, 10, 24)
+      .InOrFromScene("num_levels", num_levels, 1, 16)
+      .InOrFromScene("log2_table_size", log2_table_size, 10, 24)
       .In("min_resolution", min_resolution, 2, 1024)
-      .In("max_resolution", max_resolution, min_resolution, 65536)
+      .InOrFromScene("max_resolution", max_resolution, min_resolution, 65536)
       .In("hidden_width", hidden_width, 16, 64)
       .Require(hidden_width % 16 == 0, "hidden_width must be a multiple of 16")
       .In("mlp_num_layers", mlp_num_layers, 1, 32)
@@ -96,6 +111,7 @@ bool SamplingOptions::Check(std::string* error) const {
 bool LossOptions::Check(std::string* error) const {
   return RangeChecker()
       .In("color_weight", color_weight, 0.0, kAnyWeight)
+      .OneOf("exposure", exposure, {"auto", "none", "affine"})
       .In("patch_weight", patch_weight, 0.0, kAnyWeight)
       .In("patch_ssim_share", patch_ssim_share, 0.0, 1.0)
       .In("patch_radius", patch_radius, 0, 3)
@@ -185,8 +201,10 @@ bool ReconstructionOptions::CompletesPlanes() const {
 
 ReconstructionOptions QualityPreset(const std::string& quality) {
   ReconstructionOptions options;
+  options.field.num_levels = kFromScene;
+  options.field.log2_table_size = kFromScene;
+  options.field.max_resolution = kFromScene;
   if (quality == "low") {
-    options.field.log2_table_size = 15;
     options.training.num_steps = 600;
     options.stereo.num_iterations = 0;
   } else if (quality == "medium") {
@@ -201,7 +219,6 @@ ReconstructionOptions QualityPreset(const std::string& quality) {
     options.sampling.num_samples = 24;
     options.stereo.num_iterations = 3;
   } else if (quality == "extreme") {
-    options.field.log2_table_size = 18;
     options.training.num_steps = 6000;
     options.training.max_image_size = 1024;
     options.loss.patch_dilation = 6;

@@ -9,6 +9,9 @@ namespace structnerf {
 // that COLMAP's option manager can register them. Each Check() returns false
 // and says in `error` which field is wrong and what is allowed.
 
+// Of options that can be left to the scene, see nerf/analysis/scene_analysis.h.
+constexpr int kFromScene = -1;
+
 // The radiance field.
 struct FieldOptions {
   // "grid": a multi-resolution hash grid (Mueller et al. 2022) decoded by small
@@ -16,17 +19,17 @@ struct FieldOptions {
   // some thousand times slower.
   std::string type = "grid";
 
-  // Number of grid levels, each with 8 features per entry.
+  // Number of grid levels, each with 8 features per entry; may be kFromScene.
   int num_levels = 4;
 
   // Binary logarithm of the most entries a level may have. Beyond it, grid
-  // vertices share entries by hashing.
+  // vertices share entries by hashing. May be kFromScene.
   int log2_table_size = 17;
 
   // Cells along the longest side of the scene box at the coarsest level.
   int min_resolution = 16;
 
-  // Cells along the longest side at the finest level.
+  // Cells along the longest side at the finest level; may be kFromScene.
   int max_resolution = 768;
 
   // Width of the hidden layers: 16, 32, 48 or 64.
@@ -89,6 +92,13 @@ struct SamplingOptions {
 // ours are free of scale and balanced for some thousand steps.
 struct LossOptions {
   double color_weight = 1.0;
+
+  // Whether the colour loss accounts for how photographs differ in exposure
+  // (View::exposure): "none" takes all to be equal, "affine" does not, "auto"
+  // only if they differ enough, which whoever makes the scene has to find out.
+  // Accounting for it renders colours 0.5 to 1 dB closer to photographs and
+  // depth, where surfaces are blank, slightly worse (nerf/EXPERIMENTS.md).
+  std::string exposure = "none";
 
   // Patch photometric consistency with source views (paper, eq. 7-9).
   double patch_weight = 1.0;
@@ -263,7 +273,8 @@ struct ReconstructionOptions {
   bool CompletesPlanes() const;
 };
 
-// The options of one of COLMAP's quality words, "low", "medium", "high" or
+// The options, as far as they do not depend on the scene, of one of COLMAP's
+// quality words, "low", "medium", "high" or
 // "extreme", or of "paper": its own field, losses and schedule (section IV-C),
 // which take days. Throws std::invalid_argument, listing them, for any other.
 ReconstructionOptions QualityPreset(const std::string& quality);

@@ -1,5 +1,6 @@
 #include "nerf/reconstructor.h"
 
+#include "nerf/analysis/scene_analysis.h"
 #include "nerf/engine/scene_engine_options.h"
 #include "nerf/extract/depth_renderer.h"
 #include "nerf/extract/normal_estimation.h"
@@ -87,8 +88,16 @@ class Reconstructor::Impl {
       throw std::invalid_argument(error);
     }
     scene.Check();
+    if (options.loss.exposure == "none") {
+      for (View& view : scene.views) {
+        view.exposure = Exposure();
+      }
+    }
     const int num_contradictory = RemoveContradictoryPoints(&scene);
     frame = ComputeSceneFrame(scene);
+    SceneAnalysis analysis = AnalyzeScene(scene, options);
+    options = std::move(analysis.options);
+    decisions = std::move(analysis.decisions);
     for (size_t v = 0; v < scene.views.size(); ++v) {
       (IsHeldOut(v, options.training.test_every) ? test_view_idxs
                                                  : train_view_idxs)
@@ -155,7 +164,8 @@ class Reconstructor::Impl {
   }
 
   Scene scene;
-  const ReconstructionOptions options;
+  ReconstructionOptions options;
+  std::vector<SceneDecision> decisions;
   SceneFrame frame;
   std::vector<int> train_view_idxs;
   std::vector<int> test_view_idxs;
@@ -204,6 +214,14 @@ Reconstructor::~Reconstructor() = default;
 
 const std::vector<std::string>& Reconstructor::Warnings() const {
   return impl_->findings.warnings;
+}
+
+const std::vector<SceneDecision>& Reconstructor::Decisions() const {
+  return impl_->decisions;
+}
+
+const ReconstructionOptions& Reconstructor::Options() const {
+  return impl_->options;
 }
 
 void Reconstructor::Train(Progress* progress,

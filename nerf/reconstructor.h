@@ -1,5 +1,6 @@
 #pragma once
 
+#include "nerf/analysis/scene_decision.h"
 #include "nerf/checkpoint_options.h"
 #include "nerf/dense_maps.h"
 #include "nerf/engine/engine_factory.h"
@@ -40,7 +41,8 @@ struct TrainingSummary {
 // maps from it. Errors are thrown as std::exception with one clear sentence.
 class Reconstructor {
  public:
-  // Bytes that a run will need at its peak, without having loaded anything:
+  // Bytes that a run with these options, of which none is kFromScene, will need
+  // at its peak, without having loaded anything:
   // `num_views` views of `width` x `height` (camera size, the largest).
   static size_t EstimateMemory(const ReconstructionOptions& options,
                                size_t num_views,
@@ -59,6 +61,11 @@ class Reconstructor {
   // Sentences about the scene that the user should know, e.g. views without
   // sparse points. Known after construction.
   const std::vector<std::string>& Warnings() const;
+
+  // What the scene has decided (nerf/analysis), and the options that it comes
+  // to.
+  const std::vector<SceneDecision>& Decisions() const;
+  const ReconstructionOptions& Options() const;
 
   // Trains until the options' steps are done or `progress` asks to stop.
   // Throws Aborted if told to abort. Goes on from a checkpoint if there is one,

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "nerf/scene.h"
+
 #include <vector>
 
 namespace structnerf {
@@ -11,7 +13,8 @@ struct RenderedView {
   int width = 0;
   int height = 0;
 
-  // Interleaved RGB in [0, 1], row-major: 3 * width * height.
+  // Interleaved RGB in [0, 1], row-major: 3 * width * height. As the mean
+  // exposure of the scene shows it.
   std::vector<float> color;
 
   // z in the camera frame, world units. Row-major.
@@ -19,6 +22,9 @@ struct RenderedView {
 
   // As DenseMaps::normal: three planes of width * height.
   std::vector<float> normal;
+
+  // Makes the colours those of a photograph of this exposure.
+  void Expose(const Exposure& exposure);
 };
 
 }  // namespace structnerf

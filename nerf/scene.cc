@@ -42,6 +42,9 @@ void CheckView(const View& view) {
           prefix + "the image is empty or larger than the camera");
   Require(view.image.data.size() == 3 * num_pixels,
           prefix + "the image data do not match its size");
+  Require(view.exposure.gain.allFinite() && view.exposure.offset.allFinite() &&
+              view.exposure.gain.minCoeff() > 0,
+          prefix + "the exposure is not finite or its gain not positive");
   Require(view.mask.empty() || view.mask.size() == num_pixels,
           prefix + "the mask does not match the image's size");
   Require(view.segments.empty() || view.segments.size() == num_pixels,
@@ -88,12 +91,18 @@ Eigen::Vector3d View::ProjectionCenter() const {
   return -cam_from_world_rotation.transpose() * cam_from_world_translation;
 }
 
+PinholeCamera View::ImageCamera() const {
+  return image.data.empty() ? camera
+                            : camera.Resized(image.width, image.height);
+}
+
 View PoseOf(const View& view) {
   View pose;
   pose.name = view.name;
   pose.camera = view.camera;
   pose.cam_from_world_rotation = view.cam_from_world_rotation;
   pose.cam_from_world_translation = view.cam_from_world_translation;
+  pose.exposure = view.exposure;
   return pose;
 }
 

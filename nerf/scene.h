@@ -32,6 +32,17 @@ struct RgbImage {
   std::vector<uint8_t> data;  // 3 * width * height
 };
 
+// How a photograph shows the colours of the scene, per channel: photograph =
+// gain * colour + offset, both in [0, 1].
+struct Exposure {
+  Eigen::Vector3f gain = Eigen::Vector3f::Ones();  // > 0
+  Eigen::Vector3f offset = Eigen::Vector3f::Zero();
+
+  Eigen::Vector3f Apply(const Eigen::Vector3f& color) const {
+    return gain.cwiseProduct(color) + offset;
+  }
+};
+
 // One registered photograph. Camera axes: x right, y down, z forward.
 struct View {
   // Path below the image folder, as in the COLMAP model.
@@ -48,6 +59,9 @@ struct View {
   // The photograph at training resolution: at most the camera's size, covering
   // the same field of view.
   RgbImage image;
+
+  // Of `image`, relative to the mean of the scene.
+  Exposure exposure;
 
   // Same size as `image`, or empty if nothing is masked; 0 = ignore the pixel.
   std::vector<uint8_t> mask;
@@ -69,9 +83,12 @@ struct View {
   std::vector<float> far_depth;
 
   Eigen::Vector3d ProjectionCenter() const;
+
+  // The camera of `image`; `camera` if that is not loaded.
+  PinholeCamera ImageCamera() const;
 };
 
-// Name, camera and pose of a view, without its pixels.
+// Name, camera, pose and exposure of a view, without its pixels.
 View PoseOf(const View& view);
 
 // Where a sparse point was found in a view.

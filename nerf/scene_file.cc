@@ -11,16 +11,16 @@ namespace structnerf {
 namespace {
 
 constexpr FileFormat kFormat = {
-    {'S', 'N', 'S', 'C', 'E', 'N', 'E', '\0'}, /*version=*/1, "scene"};
+    {'S', 'N', 'S', 'C', 'E', 'N', 'E', '\0'}, /*version=*/2, "scene"};
 
 template <typename Vector>
 void WriteVector(const Vector& vector, StateWriter* writer) {
-  writer->Write(vector.data(), vector.size() * sizeof(double));
+  writer->Write(vector.data(), vector.size() * sizeof(*vector.data()));
 }
 
 template <typename Vector>
 void ReadVector(StateReader* reader, Vector* vector) {
-  reader->Read(vector->data(), vector->size() * sizeof(double));
+  reader->Read(vector->data(), vector->size() * sizeof(*vector->data()));
 }
 
 void WriteView(const View& view, StateWriter* writer) {
@@ -37,6 +37,8 @@ void WriteView(const View& view, StateWriter* writer) {
   writer->WriteValue(static_cast<int32_t>(view.image.width));
   writer->WriteValue(static_cast<int32_t>(view.image.height));
   writer->WriteArray(view.image.data);
+  WriteVector(view.exposure.gain, writer);
+  WriteVector(view.exposure.offset, writer);
   writer->WriteArray(view.mask);
   writer->WriteArray(view.segments);
   writer->WriteArray(view.prior_depth);
@@ -60,6 +62,8 @@ View ReadView(StateReader* reader) {
   view.image.width = reader->ReadValue<int32_t>();
   view.image.height = reader->ReadValue<int32_t>();
   view.image.data = reader->ReadArray<std::vector<uint8_t>>();
+  ReadVector(reader, &view.exposure.gain);
+  ReadVector(reader, &view.exposure.offset);
   view.mask = reader->ReadArray<std::vector<uint8_t>>();
   view.segments = reader->ReadArray<std::vector<int32_t>>();
   view.prior_depth = reader->ReadArray<std::vector<float>>();

@@ -1,8 +1,11 @@
 #pragma once
 
 #include "colmap_plugin/structnerf_options.h"
+#include "nerf/scene.h"
 
+#include <memory>
 #include <string>
+#include <vector>
 
 #include <colmap/scene/reconstruction.h>
 
@@ -14,7 +17,22 @@ struct RunExpectation {
   bool is_possible = false;  // else the text says why not
 };
 
-RunExpectation ExpectRun(const StructNerfOptions& options,
-                         const colmap::Reconstruction& reconstruction);
+// Foretells runs on one model.
+class RunForecast {
+ public:
+  explicit RunForecast(
+      std::shared_ptr<const colmap::Reconstruction> reconstruction);
+
+  RunExpectation Expect(const StructNerfOptions& options) const;
+
+  // Of the registered images, undistorted.
+  const std::vector<PinholeCamera>& Cameras() const { return cameras_; }
+
+ private:
+  const std::shared_ptr<const colmap::Reconstruction> reconstruction_;
+  std::string error_;  // why no run is possible
+  std::vector<PinholeCamera> cameras_;
+  Scene outline_;
+};
 
 }  // namespace structnerf

@@ -1,9 +1,7 @@
 #include "ui/setup_page.h"
 
 #include "colmap_plugin/quality_choice.h"
-#include "colmap_plugin/run_plan.h"
 #include "ui/folder_edit.h"
-#include "ui/run_expectation.h"
 
 #include <QFormLayout>
 #include <QHBoxLayout>
@@ -94,7 +92,7 @@ QLineEdit* SetupPage::AddFolder(const QString& label,
 
 void SetupPage::ShowModel(
     std::shared_ptr<const colmap::Reconstruction> reconstruction) {
-  reconstruction_ = std::move(reconstruction);
+  forecast_ = std::make_unique<RunForecast>(std::move(reconstruction));
   workspace_path_->setText(QString::fromStdString(options_->output_path));
   image_path_->setText(QString::fromStdString(options_->image_path));
   mask_path_->setText(QString::fromStdString(options_->mask_path));
@@ -111,7 +109,7 @@ void SetupPage::ShowModel(
 }
 
 void SetupPage::UpdateExpectation() {
-  const RunExpectation expectation = ExpectRun(*options_, *reconstruction_);
+  const RunExpectation expectation = forecast_->Expect(*options_);
   expectation_->setText(QString::fromStdString(expectation.text));
   start_button_->setEnabled(expectation.is_possible);
 }
@@ -125,8 +123,7 @@ void SetupPage::ChangeQuality(const QString& quality) {
 void SetupPage::ChangeTimeLimit(const double minutes) {
   options_->max_minutes = minutes;
   if (minutes > 0) {
-    const std::string quality =
-        ChooseQuality(*options_, UndistortedCameras(*reconstruction_));
+    const std::string quality = ChooseQuality(*options_, forecast_->Cameras());
     quality_->setCurrentText(QString::fromStdString(quality));
     ChangeQuality(quality_->currentText());
   } else {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "colmap_plugin/structnerf_options.h"
+#include "ui/run_expectation.h"
 
 #include <QCheckBox>
 #include <QComboBox>
@@ -42,7 +43,7 @@ class SetupPage : public QWidget {
   void WriteOptions();
 
   StructNerfOptions* const options_;
-  std::shared_ptr<const colmap::Reconstruction> reconstruction_;
+  std::unique_ptr<RunForecast> forecast_;
   QLineEdit* workspace_path_;
   QLineEdit* image_path_;
   QLineEdit* mask_path_;

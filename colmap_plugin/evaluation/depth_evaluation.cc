@@ -1,7 +1,7 @@
 #include "colmap_plugin/evaluation/depth_evaluation.h"
 
-#include "colmap_plugin/evaluation/median.h"
 #include "colmap_plugin/evaluation/pixel_lookup.h"
+#include "nerf/util/median.h"
 
 #include <utility>
 

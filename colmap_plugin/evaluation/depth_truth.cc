@@ -1,7 +1,7 @@
 #include "colmap_plugin/evaluation/depth_truth.h"
 
-#include "colmap_plugin/evaluation/median.h"
 #include "colmap_plugin/text_output.h"
+#include "nerf/util/median.h"
 
 #include <cmath>
 #include <filesystem>

@@ -161,6 +161,7 @@ HeldOutEvaluation EvaluateHeldOut(const std::string& workspace_path,
         (fs::path(evaluation.image_path) / view.name).string(), view);
     RenderedView rendered =
         field.Viewer().Render(view, scene_view_idx, progress->Inner());
+    rendered.Expose(view.exposure);
     const cv::Mat3f reference =
         ColorMat(rendered.width, rendered.height, &photograph);
     const cv::Mat3f color =

@@ -50,8 +50,9 @@ struct HeldOutEvaluation {
   std::optional<double> MeanLpips() const;
 };
 
-// Renders all held-out views at the size of their undistorted photographs; no
-// images if there are none. Throws std::runtime_error if a photograph is
+// Renders all held-out views at the size of their undistorted photographs, and
+// in their exposures, as far as the run has accounted for them; no images if
+// there are none. Throws std::runtime_error if a photograph is
 // missing, if the module for LPIPS does not work, or if the models do not fit.
 HeldOutEvaluation EvaluateHeldOut(const std::string& workspace_path,
                                   const TrainedField& field,

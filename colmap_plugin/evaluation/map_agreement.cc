@@ -1,6 +1,6 @@
 #include "colmap_plugin/evaluation/map_agreement.h"
 
-#include "colmap_plugin/evaluation/median.h"
+#include "nerf/util/median.h"
 
 namespace structnerf {
 namespace {

@@ -1,7 +1,7 @@
 #include "colmap_plugin/rendering/novel_path.h"
 
-#include "colmap_plugin/evaluation/median.h"
 #include "nerf/scene_frame.h"
+#include "nerf/util/median.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <Eigen/Core>
+
 namespace structnerf {
 
 // Rays of one tile. A tile is what a thread works on at a time; rays whose
@@ -46,6 +48,10 @@ struct RayOutputs {
   PerRay<float> depth;           // expected z-depth
   PerRay<float> depth_variance;  // of the z-depth at which light ends
   PerRay<float> opacity;         // before the last, opaque interval
+
+  Eigen::Vector3f Color(const size_t ray) const {
+    return {color[0][ray], color[1][ray], color[2][ray]};
+  }
 };
 
 // Derivatives of the loss by the outputs, and the quadratic pull of

@@ -58,6 +58,7 @@ Preview PreviewRenderer::Render(const int view_idx) const {
                          kNoAppearance,
                          engine_,
                          &silent);
+  rendered.Expose(view.exposure);
   for (const float channel : rendered.color) {
     preview.color.push_back(ByteFromUnit(channel));
   }

@@ -146,6 +146,8 @@ std::map<std::string, std::string> DescribeScene(const Scene& scene) {
     cameras.Add(view.cam_from_world_rotation.data(), 9 * sizeof(double));
     cameras.Add(view.cam_from_world_translation.data(), 3 * sizeof(double));
     AddArray(view.image.data, &photographs);
+    photographs.Add(view.exposure.gain.data(), 3 * sizeof(float));
+    photographs.Add(view.exposure.offset.data(), 3 * sizeof(float));
     AddArray(view.segments, &photographs);
     AddArray(view.mask, &masks);
     AddArray(view.prior_depth, &priors);

@@ -33,18 +33,19 @@ std::vector<std::vector<DepthSample>> CollectDepthSamples(const Scene& scene) {
     const double ratio = is_known ? point.error / mean_error : 0.0;
     for (const Observation& observation : point.track) {
       const View& view = scene.views[observation.view_idx];
+      const PinholeCamera camera = view.ImageCamera();
       DepthSample sample;
       sample.view_idx = observation.view_idx;
-      sample.x = observation.xy.x() * view.image.width / view.camera.width;
-      sample.y = observation.xy.y() * view.image.height / view.camera.height;
+      sample.x = observation.xy.x() * camera.width / view.camera.width;
+      sample.y = observation.xy.y() * camera.height / view.camera.height;
       sample.depth = DepthInView(view, point.xyz);
       sample.error_ratio = is_known ? static_cast<float>(ratio) : 1.0f;
       sample.weight = static_cast<float>(std::exp(-ratio * ratio));
       if (!(sample.depth > 0) || sample.x < 0 || sample.y < 0 ||
-          sample.x >= view.image.width || sample.y >= view.image.height) {
+          sample.x >= camera.width || sample.y >= camera.height) {
         continue;
       }
-      const size_t pixel = static_cast<size_t>(sample.y) * view.image.width +
+      const size_t pixel = static_cast<size_t>(sample.y) * camera.width +
                            static_cast<size_t>(sample.x);
       if (view.mask.empty() || view.mask[pixel] != 0) {
         samples[observation.view_idx].push_back(sample);

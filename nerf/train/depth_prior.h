@@ -9,7 +9,7 @@ namespace structnerf {
 // A sparse point seen in a view, as the sparse loss wants it.
 struct DepthSample {
   int view_idx = -1;
-  double x = 0;  // in the image coordinates of the training image
+  double x = 0;  // in the image coordinates of View::ImageCamera
   double y = 0;
   double depth = 0;  // z-depth, world units, > 0
 

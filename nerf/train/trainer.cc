@@ -264,10 +264,8 @@ Trainer::Measurement Trainer::MeasureTestPixels() const {
     const size_t ray = i % kMaxTileRays;
     const Eigen::Vector3f target =
         views.Color(pixel.view_idx, pixel.col, pixel.row);
-    for (int c = 0; c < 3; ++c) {
-      const double difference = tile.color[c][ray] - target[c];
-      sum += difference * difference;
-    }
+    sum += (views.exposure(pixel.view_idx).Apply(tile.Color(ray)) - target)
+               .squaredNorm();
     measurement.depths.push_back(tile.depth[ray]);
   }
   measurement.squared_error =

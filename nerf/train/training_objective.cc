@@ -212,10 +212,13 @@ class TrainingObjective::Tile : public TileObjective {
       }
       const Eigen::Vector3f target =
           objective_.views_.Color(view_idx_[ray], col_[ray], row_[ray]);
+      const Exposure& exposure = objective_.views_.exposure(view_idx_[ray]);
+      const Eigen::Vector3f difference =
+          exposure.Apply(outputs.Color(ray)) - target;
+      sum += difference.squaredNorm();
       for (int c = 0; c < 3; ++c) {
-        const float difference = outputs.color[c][ray] - target[c];
-        sum += difference * difference;
-        gradients->d_color[c][ray] += 2 * weight * difference;
+        gradients->d_color[c][ray] +=
+            2 * weight * exposure.gain[c] * difference[c];
       }
     }
     (*losses)[static_cast<size_t>(LossTerm::kColor)] += weight * sum;

@@ -79,6 +79,7 @@ TrainingViews::TrainingViews(const Scene& scene, const SceneFrame& frame) {
     num_pixels += static_cast<size_t>(view.image.width) * view.image.height;
     geometries_.emplace_back(
         view, view.camera.Resized(view.image.width, view.image.height), frame);
+    exposures_.push_back(view.exposure);
   }
   if (num_pixels >= kMaxPixels) {
     throw std::invalid_argument(

@@ -62,6 +62,10 @@ class TrainingViews {
     return geometries_[view_idx];
   }
 
+  const Exposure& exposure(const int view_idx) const {
+    return exposures_[view_idx];
+  }
+
   // Colour of a pixel, channels in [0, 1].
   Eigen::Vector3f Color(int view_idx, int col, int row) const;
 
@@ -78,6 +82,7 @@ class TrainingViews {
  private:
   std::vector<Image> images_;
   std::vector<ViewGeometry> geometries_;
+  std::vector<Exposure> exposures_;
   std::vector<uint32_t> colors_;  // 0x00BBGGRR
   std::vector<uint16_t> grays_;
 };

@@ -132,6 +132,47 @@ std::vector<std::unique_ptr<TileObjective>> SphereRoomObjectives(
   return objectives;
 }
 
+Scene SphereRoomScene() {
+  constexpr int kWidth = 640;
+  constexpr int kHeight = 480;
+  constexpr int kPointDistance = 64;  // in pixels
+  constexpr double kFocalLength = 0.5 * kWidth / kTanHalfFov;
+  Scene scene;
+  for (int i = 0; i < kNumCameras; ++i) {
+    const SphereRoomCamera camera(i);
+    View view;
+    view.camera = {kWidth,
+                   kHeight,
+                   kFocalLength,
+                   kFocalLength,
+                   0.5 * kWidth,
+                   0.5 * kHeight};
+    view.cam_from_world_rotation = camera.axes.transpose().cast<double>();
+    view.cam_from_world_translation =
+        -view.cam_from_world_rotation * camera.center.cast<double>();
+    scene.views.push_back(view);
+    for (int y = kPointDistance / 2; y < kHeight; y += kPointDistance) {
+      for (int x = kPointDistance / 2; x < kWidth; x += kPointDistance) {
+        RayTile rays;
+        SetRay(camera,
+               static_cast<float>((x - view.camera.cx) /
+                                  (kFocalLength * kTanHalfFov)),
+               static_cast<float>((y - view.camera.cy) /
+                                  (kFocalLength * kTanHalfFov)),
+               0,
+               &rays);
+        SparsePoint point;
+        point.xyz = (Row(rays.origin, 0) +
+                     SphereRoomDepth(rays, 0) * Row(rays.direction, 0))
+                        .cast<double>();
+        point.track.push_back({i, Eigen::Vector2d(x, y)});
+        scene.points.push_back(point);
+      }
+    }
+  }
+  return scene;
+}
+
 std::vector<RayTile> SphereRoomView(const int width, const int height) {
   const SphereRoomCamera camera(0);
   std::vector<RayTile> tiles;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "nerf/engine/render_engine.h"
+#include "nerf/scene.h"
 
 #include <memory>
 #include <vector>
@@ -35,6 +36,9 @@ std::vector<std::unique_ptr<TileObjective>> SphereRoomObjectives(
 
 // Z-depth at which a ray of such a camera meets the wall.
 float SphereRoomDepth(const RayTile& rays, int ray);
+
+// The cameras, 640x480, and points on the wall, for what depends on a scene.
+Scene SphereRoomScene();
 
 // Rays of all pixels of a view of the room, in tiles of neighbouring pixels.
 std::vector<RayTile> SphereRoomView(int width, int height);

@@ -1,5 +1,6 @@
 #include "tests/benchmarks/trained_room.h"
 
+#include "nerf/analysis/scene_analysis.h"
 #include "tests/benchmarks/sphere_room.h"
 
 #include <algorithm>
@@ -17,7 +18,8 @@ constexpr float kCacheDecay = 0.8f;
 
 EngineOptions PresetEngineOptions(const std::string& quality,
                                   const int num_threads) {
-  const ReconstructionOptions preset = QualityPreset(quality);
+  const ReconstructionOptions preset =
+      AnalyzeScene(SphereRoomScene(), QualityPreset(quality)).options;
   EngineOptions options;
   options.field = preset.field;
   options.sampling = preset.sampling;

@@ -9,7 +9,7 @@
 
 namespace structnerf {
 
-// Engine options of a quality word.
+// Engine options of a quality word, as sphere_room.h completes them.
 EngineOptions PresetEngineOptions(const std::string& quality, int num_threads);
 
 // An engine, and the room of sphere_room.h that it is trained on.

@@ -39,6 +39,8 @@ TEST_F(ReportReaderTest, GivesBackWhatWasWritten) {
     report.options.emplace(entry.name, entry.Value());
   }
   report.stages = {{"a", 1.5, 2.5}, {"b", 2, 3}};
+  report.views.resize(2);
+  report.views[1].exposure = {{1.5f, 2, 3}, {0.25f, -0.5f, 0}};
   WriteReport(report, temp_dir_.Path());
 
   FinishedRun run = ReadReport(temp_dir_ / "report.json");
@@ -50,6 +52,10 @@ TEST_F(ReportReaderTest, GivesBackWhatWasWritten) {
   }
   EXPECT_DOUBLE_EQ(run.seconds, 3.5);
   EXPECT_DOUBLE_EQ(run.cpu_seconds, 5.5);
+  ASSERT_EQ(run.exposures.size(), 2u);
+  EXPECT_EQ(run.exposures[0].gain, Eigen::Vector3f::Ones());
+  EXPECT_EQ(run.exposures[1].gain, Eigen::Vector3f(1.5f, 2, 3));
+  EXPECT_EQ(run.exposures[1].offset, Eigen::Vector3f(0.25f, -0.5f, 0));
 }
 
 TEST_F(ReportReaderTest, OptionsThatAreNotInItKeepTheirDefaults) {
@@ -59,6 +65,7 @@ TEST_F(ReportReaderTest, OptionsThatAreNotInItKeepTheirDefaults) {
   const FinishedRun run = ReadReport(temp_dir_ / "report.json");
   EXPECT_EQ(run.options.reconstruction.training.num_steps,
             QualityPreset("low").training.num_steps);
+  EXPECT_TRUE(run.exposures.empty());
 }
 
 TEST_F(ReportReaderTest, NamesTheFileThatIsWrong) {

@@ -26,6 +26,7 @@ RunReport MakeReport() {
                     {"StructNeRF.flag", true}};
   report.num_points3D = 90;
   report.training_image_size = 320;
+  report.decisions = {{"table", "2^15 entries", "12000 are in use"}};
   report.stages = {{"Training", 2, 3.5}, {"Fusing points", 1, 1}};
   report.memory_limit = size_t{4} << 30;
   report.expected_memory = size_t{2} << 30;
@@ -34,7 +35,7 @@ RunReport MakeReport() {
   report.training.seconds = 2;
   report.training.num_samples = 3000000;
   report.training.guard_counts = {{"skipped_steps", 2}};
-  report.views = {{"a.png", 10, 20, 100, 60}, {"b.png", 10, 20, 50, 0}};
+  report.views = {{"a.png", 10, 20, 100, 60, {}}, {"b.png", 10, 20, 50, 0, {}}};
   report.fusion_min_num_pixels = 2;
   report.num_fused_points = 123;
   report.warnings = {"View b.png has no sparse points."};
@@ -61,6 +62,7 @@ TEST(RunReport, JsonHoldsTypedValues) {
   EXPECT_EQ(object["maps"]["pixels"], 400);
   EXPECT_EQ(object["maps"]["photometric_pixels"], 150);
   EXPECT_EQ(object["views"][1]["name"], "b.png");
+  EXPECT_EQ(object["scene"]["decisions"][0]["choice"], "2^15 entries");
   EXPECT_EQ(object["fusion"]["points"], 123);
   EXPECT_EQ(object["warnings"].size(), 1);
   EXPECT_FALSE(object["versions"]["structnerf"].empty());
@@ -94,7 +96,9 @@ TEST(RunReport, WritesBothFiles) {
   const TempDir temp_dir;
   const RunReport report = MakeReport();
   WriteReport(report, temp_dir.Path());
-  EXPECT_EQ(ReadText(temp_dir / "report.txt"), ReportText(report));
+  const std::string text = ReadText(temp_dir / "report.txt");
+  EXPECT_THAT(text, testing::StartsWith(ReportText(report)));
+  EXPECT_THAT(text, HasSubstr("table: 2^15 entries (12000 are in use)"));
   EXPECT_EQ(json::parse(ReadText(temp_dir / "report.json"))["schema_version"],
             1);
   EXPECT_THROW(WriteReport(report, temp_dir / "none"), std::runtime_error);

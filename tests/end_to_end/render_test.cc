@@ -1,6 +1,6 @@
 // New views of a trained field, as a user calls for them.
 
-#include "colmap_plugin/evaluation/median.h"
+#include "nerf/util/median.h"
 #include "tests/end_to_end/room_run.h"
 
 #include <algorithm>

@@ -110,6 +110,50 @@ TEST_F(RoomTest, WritesAWholeWorkspace) {
   }
 }
 
+TEST_F(RoomTest, TellsWhatTheSceneDecided) {
+  std::ifstream file(Dense() + "/structnerf/report.json");
+  const nlohmann::json report = nlohmann::json::parse(file);
+  std::vector<std::string> subjects;
+  for (const nlohmann::json& decision : report["scene"]["decisions"]) {
+    subjects.push_back(decision["subject"]);
+    EXPECT_NE(decision["choice"], "");
+    EXPECT_NE(decision["reason"], "");
+    EXPECT_THAT(result_.error, HasSubstr(subjects.back() + ": "));
+  }
+  EXPECT_THAT(subjects,
+              testing::ElementsAre("undistortion",
+                                   "training images",
+                                   "masks",
+                                   "exposure",
+                                   "scene box",
+                                   "finest grid level",
+                                   "grid levels",
+                                   "grid table",
+                                   "source views",
+                                   "planar term"));
+
+  // Known before the run, too.
+  const ProgramResult printed = RunProgram({"structnerf_dense",
+                                            "--StructNeRF.print_options",
+                                            "--StructNeRF.quality",
+                                            "low",
+                                            "--image_path",
+                                            *temp_dir_ / "room/images",
+                                            "--input_path",
+                                            *temp_dir_ / "room/sparse/0",
+                                            "--output_path",
+                                            *temp_dir_ / "other"});
+  ASSERT_EQ(printed.exit_code, 0) << printed.error;
+  for (const char* name : {"max_resolution", "num_levels", "log2_table_size"}) {
+    const std::string option = std::string("StructNeRF.") + name;
+    const int value = report["options"][option];
+    EXPECT_GT(value, 0);
+    EXPECT_THAT(printed.out,
+                HasSubstr(option + " = " + std::to_string(value) + "\n"));
+  }
+  EXPECT_THAT(printed.out, HasSubstr("# grid table: "));
+}
+
 TEST_F(RoomTest, TellsAPersonWhatHappens) {
   for (const std::string stage : {"Undistorting images",
                                   "Loading images",

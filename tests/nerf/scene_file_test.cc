@@ -19,7 +19,7 @@ namespace {
 using testing::HasSubstr;
 
 constexpr FileFormat kFormat = {
-    {'S', 'N', 'S', 'C', 'E', 'N', 'E', '\0'}, /*version=*/1, "scene"};
+    {'S', 'N', 'S', 'C', 'E', 'N', 'E', '\0'}, /*version=*/2, "scene"};
 
 // Every field has a value of its own; what may be empty is so in one view.
 Scene MakeFullScene() {
@@ -32,6 +32,8 @@ Scene MakeFullScene() {
   for (size_t i = 0; i < turned.image.data.size(); ++i) {
     turned.image.data[i] = static_cast<uint8_t>(7 * i);
   }
+  turned.exposure.gain = {1.25f, 0.5f, 2.0f};
+  turned.exposure.offset = {-0.125f, 0.25f, 0.5f};
   for (int i = 0; i < 12; ++i) {
     turned.mask.push_back(i % 3 == 0 ? 0 : 255);
     turned.segments.push_back(i * 1000 - 1);
@@ -59,6 +61,8 @@ void ExpectEqual(const View& a, const View& b) {
   EXPECT_EQ(a.image.width, b.image.width);
   EXPECT_EQ(a.image.height, b.image.height);
   EXPECT_EQ(a.image.data, b.image.data);
+  EXPECT_EQ(a.exposure.gain, b.exposure.gain);
+  EXPECT_EQ(a.exposure.offset, b.exposure.offset);
   EXPECT_EQ(a.mask, b.mask);
   EXPECT_EQ(a.segments, b.segments);
   EXPECT_EQ(a.prior_depth, b.prior_depth);
@@ -137,6 +141,7 @@ TEST_F(SceneFileTest, HasEveryField) {
          rotation,
          translation,
          image,
+         exposure,
          mask,
          segments,
          prior_depth,

@@ -151,6 +151,11 @@ TEST(Scene, PriorsHaveTheSizeOfTheImage) {
   ExpectRefused([](Scene* s) { s->views[1].near_depth.assign(300, 1); },
                 name,
                 "bounds of depth");
+  ExpectRefused(
+      [](Scene* s) { s->views[1].exposure.gain[0] = 0; }, name, "exposure");
+  ExpectRefused([](Scene* s) { s->views[1].exposure.offset[2] = kNan; },
+                name,
+                "exposure");
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 #include "tests/colmap_plugin/tiny_model.h"
 #include "tests/support/temp_dir.h"
 
+#include <memory>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -17,7 +19,9 @@ class RunExpectationTest : public testing::Test {
   RunExpectation Expect(const int num_images) {
     const TempDir folder;
     MakeTinyModel(num_images).WriteModel(folder / "model");
-    return ExpectRun(options_, ReadModel(folder / "model"));
+    return RunForecast(std::make_shared<const colmap::Reconstruction>(
+                           ReadModel(folder / "model")))
+        .Expect(options_);
   }
 
   StructNerfOptions options_;
@@ -30,6 +34,10 @@ TEST_F(RunExpectationTest, SaysWhatWillBeDone) {
   EXPECT_THAT(expectation.text, HasSubstr("1500 steps"));
   EXPECT_THAT(expectation.text, HasSubstr("64 pixels"));
   EXPECT_THAT(expectation.text, HasSubstr("of memory"));
+  EXPECT_THAT(expectation.text, HasSubstr("scene box"));
+  EXPECT_THAT(expectation.text, HasSubstr("768 cells along the box (as told)"));
+  options_.reconstruction = QualityPreset("medium");
+  EXPECT_THAT(Expect(3).text, HasSubstr("a training pixel covers"));
 }
 
 TEST_F(RunExpectationTest, SaysWhyItCannotBeDone) {

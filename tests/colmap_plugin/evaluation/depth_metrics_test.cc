@@ -1,6 +1,6 @@
 #include "colmap_plugin/evaluation/depth_metrics.h"
 
-#include "colmap_plugin/evaluation/median.h"
+#include "nerf/util/median.h"
 
 #include <cmath>
 

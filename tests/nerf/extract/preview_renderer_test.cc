@@ -88,6 +88,15 @@ TEST_F(PreviewRendererTest, ShowsWhatTheFieldRenders) {
   }
 }
 
+TEST_F(PreviewRendererTest, ShowsColorsAsThePhotographIsExposed) {
+  scene_.views[1].exposure.gain = {0.5f, 0.5f, 1};
+  scene_.views[1].exposure.offset = {0.25f, 0, 2};
+  const Preview preview = previews_->Render(1);
+  EXPECT_NEAR(preview.color[0], 191, 1);
+  EXPECT_NEAR(preview.color[1], 64, 1);
+  EXPECT_EQ(preview.color[2], 255);
+}
+
 TEST_F(PreviewRendererTest, SmallPhotographsKeepTheirSize) {
   for (View& view : scene_.views) {
     view.image = PlainImage(15, 40, 77);

@@ -189,6 +189,8 @@ TEST_F(CheckpointTest, AnotherSceneIsRefusedAndTheDifferenceNamed) {
     scene_ = scene;
   };
   expect_refused([&]() { scene_.views[1].image.data[5] = 7; }, "photographs");
+  expect_refused([&]() { scene_.views[1].exposure.gain[2] = 1.5f; },
+                 "photographs");
   expect_refused([&]() { scene_.views[1].segments.assign(16 * 12, 3); },
                  "photographs");
   expect_refused([&]() { scene_.views[1].mask.assign(16 * 12, 255); }, "masks");

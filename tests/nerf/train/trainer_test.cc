@@ -369,6 +369,14 @@ TEST_F(TrainerTest, HeldOutPsnr) {
       progress_.updates[progress_.updates.size() / 2].held_out_psnr, 20, 1e-3);
 }
 
+TEST_F(TrainerTest, HeldOutPsnrKnowsTheExposure) {
+  scene_.views[1].image = PlainImage(16, 12, 102);
+  scene_.views[1].exposure.gain.setConstant(0.5f);
+  scene_.views[1].exposure.offset.setConstant(0.15f);
+  engine_.color.setConstant(0.3f);
+  EXPECT_NEAR(Run({1}).held_out_psnr, 20, 1e-3);
+}
+
 TEST_F(TrainerTest, WithoutHeldOutViewsSinglePixelsAreMeasured) {
   engine_.color.setConstant(0.3f);
   // Only pixel (8, 8) is held out of these images: 0.3 against 0.4.

@@ -95,6 +95,42 @@ TEST(TrainingLoss, ColorByHand) {
   }
 }
 
+// What is rendered is compared as each photograph's exposure shows it.
+TEST(TrainingLoss, ColorKnowsTheExposure) {
+  ObjectiveScene test;
+  OnlyColor(&test.loss);
+  for (View& view : test.scene.views) {
+    view.exposure.gain = {2, 1, 0.5f};
+    view.exposure.offset = {0, 0.25f, 0};
+  }
+  const TrainingObjective objective = test.MakeObjective();
+  const auto tile_objective = objective.MakeTileObjective();
+  RayTile rays;
+  tile_objective->DrawRays(0, 0, &rays);
+  RayOutputs outputs = test.TrueOutputs(rays);
+  const Exposure& exposure = test.scene.views[0].exposure;
+  for (int ray = 0; ray < rays.num_rays; ++ray) {
+    for (int c = 0; c < 3; ++c) {
+      outputs.color[c][ray] =
+          (outputs.color[c][ray] - exposure.offset[c]) / exposure.gain[c];
+    }
+  }
+  RayGradients gradients;
+  EXPECT_NEAR(Sum(tile_objective->Evaluate(outputs, &gradients)), 0, 1e-9);
+
+  for (int c = 0; c < 3; ++c) {
+    SCOPED_TRACE(c);
+    constexpr float kStep = 1e-2f;
+    RayOutputs changed = outputs;
+    changed.color[c][5] += kStep;
+    gradients = RayGradients();
+    const double loss = Sum(tile_objective->Evaluate(changed, &gradients));
+    // The loss is quadratic and vanishes at the truth.
+    EXPECT_NEAR(gradients.d_color[c][5], 2 * loss / kStep, 1e-6);
+    EXPECT_GT(loss, 0);
+  }
+}
+
 // Where PSNR is measured, nothing is learned about colour.
 TEST(TrainingLoss, HeldOutPixelsHaveNoColorLoss) {
   ObjectiveScene test;

@@ -1,0 +1,35 @@
+#pragma once
+
+#include "nerf/analysis/scene_decision.h"
+#include "nerf/options.h"
+#include "nerf/scene.h"
+
+#include <vector>
+
+namespace structnerf {
+
+struct SceneAnalysis {
+  // Nothing that they use is kFromScene.
+  ReconstructionOptions options;
+
+  std::vector<SceneDecision> decisions;
+};
+
+// Chooses what the options leave to the scene (kFromScene), from its geometry:
+//
+// - field.max_resolution: a cell of the finest level is as large as 1.5 pixels
+//   of the training images at the median depth of the sparse points. Much finer
+//   cells hold what no photograph shows.
+// - field.num_levels: from level to level, cells shrink to a quarter at most.
+// - field.log2_table_size: one entry for six cells of the finest level that
+// surfaces
+//   pass through, as a power of two. As many share one without harm, since
+//   coarser levels tell them apart.
+//
+// Options that are given stay as they are. Photographs are not needed, only the
+// share of planar superpixels is told from them. Throws std::invalid_argument
+// if the scene has no extent, see ComputeSceneFrame.
+SceneAnalysis AnalyzeScene(const Scene& scene,
+                           const ReconstructionOptions& options);
+
+}  // namespace structnerf
