@@ -4,11 +4,12 @@
 # METHODS_FILE: a name and options of structnerf_dense on each line, in which SCENE
 # stands for the scene's folder (see results_methods.txt, results_ablations.txt).
 # SCENE_FOLDER holds images, sparse/0 and depth (16-bit PNGs in millimetres); "room"
-# stands for the generated room. SEEDS=3 is the number of runs of each, OPTIONS are
+# stands for the generated room, room:FAULT for one with a fault (structnerf_make_room
+# --help lists them), whose faulty part is measured on its own, too. SEEDS=3 is the number of runs of each, OPTIONS are
 # more options for all of them, LPIPS_PATH is a TorchScript module of LPIPS. Runs
 # whose result is in OUTPUT_FOLDER already are not repeated.
 set -euo pipefail
-[ $# -ge 3 ] || { sed -n '2,9s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" >&2; exit 1; }
+[ $# -ge 3 ] || { sed -n '2,10s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" >&2; exit 1; }
 # shellcheck source=cmake/setup.sh
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
@@ -33,7 +34,12 @@ run_once() { # scene folder, folder of the result, seed, options
     "$program" structnerf_eval --workspace_path "$work/dense" \
       --image_path "$scene/images" --input_path "$scene/sparse/0" \
       --ground_truth_path "$scene/depth" ${LPIPS_PATH:+--lpips_path "$LPIPS_PATH"} \
-      --output_path "$work/result/eval.json" >> "$work/log" 2>&1; then
+      --output_path "$work/result/eval.json" >> "$work/log" 2>&1 &&
+    { [ ! -d "$scene/fault" ] ||
+      "$program" structnerf_eval --workspace_path "$work/dense" \
+        --image_path "$scene/images" --input_path "$scene/sparse/0" \
+        --ground_truth_path "$scene/depth" --ground_truth_mask_path "$scene/fault" \
+        --output_path "$work/result/part.json" >> "$work/log" 2>&1; }; then
     cp "$work/dense/structnerf/report.json" "$work/result/"
     mkdir -p "$(dirname "$result")"
     mv "$work/result" "$result"
@@ -45,9 +51,12 @@ run_once() { # scene folder, folder of the result, seed, options
 
 for scene in "$@"; do
   name=$(basename "$scene")
-  if [ "$scene" = room ]; then
-    scene=$output/room
-    [ -d "$scene" ] || "$build_dir/tests/tools/structnerf_make_room" "$scene"
+  if [[ $scene =~ ^room(:(.*))?$ ]]; then
+    fault=${BASH_REMATCH[2]:-none}
+    name=${scene/:/_}
+    scene=$output/$name
+    [ -d "$scene" ] ||
+      "$build_dir/tests/tools/structnerf_make_room" "$scene" --fault "$fault"
   fi
   [ -d "$scene/sparse/0" ] || die "the scene $scene has no sparse/0"
   methods=()

@@ -10,6 +10,10 @@ void AddTruthArguments(DepthTruthOptions* truth,
       "ground_truth_path",
       &truth->path,
       "Folder with 16-bit depth PNGs named after the images");
+  manager->AddDefaultOption("ground_truth_mask_path",
+                            &truth->mask_path,
+                            "Folder with masks named alike; nothing is "
+                            "compared where they are black");
   manager->AddDefaultOption(
       "depth_scale", &truth->scale, "Their value for one metre");
   manager->AddDefaultOption(

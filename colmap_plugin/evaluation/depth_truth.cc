@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 namespace structnerf {
 namespace {
@@ -25,6 +26,23 @@ constexpr double kMaxMedianDepth = 1000;
 // Largest relative difference of width and height ratios, to allow for sizes
 // that were rounded.
 constexpr double kMaxAspectError = 0.02;
+
+// Of an image's file in a folder of them.
+std::string FilePath(const std::string& folder, const std::string& image_name) {
+  const std::string replaced =
+      (fs::path(folder) / fs::path(image_name).replace_extension(".png"))
+          .string();
+  return fs::exists(replaced)
+             ? replaced
+             : (fs::path(folder) / (image_name + ".png")).string();
+}
+
+void CheckFolder(const std::string& path, const std::string& option) {
+  if (!fs::is_directory(path)) {
+    throw std::runtime_error("The folder " + path + " of --" + option +
+                             " does not exist.");
+  }
+}
 
 void CheckMedian(const cv::Mat1f& depth,
                  const std::string& path,
@@ -54,9 +72,9 @@ void DepthTruthOptions::Check() const {
   if (path.empty()) {
     throw std::runtime_error("The option --ground_truth_path is missing.");
   }
-  if (!fs::is_directory(path)) {
-    throw std::runtime_error("The folder " + path +
-                             " of --ground_truth_path does not exist.");
+  CheckFolder(path, "ground_truth_path");
+  if (!mask_path.empty()) {
+    CheckFolder(mask_path, "ground_truth_mask_path");
   }
   if (!(scale > 0) || !std::isfinite(scale)) {
     throw std::runtime_error(
@@ -75,21 +93,13 @@ DepthTruth::DepthTruth(const DepthTruthOptions& options) : options_(options) {
   options_.Check();
 }
 
-std::string DepthTruth::Path(const std::string& image_name) const {
-  const fs::path folder(options_.path);
-  const std::string replaced =
-      (folder / fs::path(image_name).replace_extension(".png")).string();
-  return fs::exists(replaced) ? replaced
-                              : (folder / (image_name + ".png")).string();
-}
-
 bool DepthTruth::Has(const std::string& image_name) const {
-  return fs::exists(Path(image_name));
+  return fs::exists(FilePath(options_.path, image_name));
 }
 
 cv::Mat1f DepthTruth::Read(const std::string& image_name,
                            const colmap::Camera& camera) const {
-  const std::string path = Path(image_name);
+  const std::string path = FilePath(options_.path, image_name);
   const cv::Mat raw = cv::imread(path, cv::IMREAD_UNCHANGED);
   if (raw.type() != CV_16UC1) {
     throw std::runtime_error(
@@ -118,6 +128,22 @@ cv::Mat1f DepthTruth::Read(const std::string& image_name,
     }
   }
   CheckMedian(depth, path, options_.scale);
+  return depth;
+}
+
+cv::Mat1f DepthTruth::ReadMasked(const std::string& image_name,
+                                 const colmap::Camera& camera) const {
+  cv::Mat1f depth = Read(image_name, camera);
+  if (!options_.mask_path.empty()) {
+    const std::string path = FilePath(options_.mask_path, image_name);
+    cv::Mat1b mask = cv::imread(path, cv::IMREAD_GRAYSCALE);
+    if (mask.empty()) {
+      throw std::runtime_error("The mask of the ground truth " + path +
+                               " cannot be read.");
+    }
+    cv::resize(mask, mask, depth.size(), 0, 0, cv::INTER_NEAREST);
+    depth.setTo(0, mask == 0);
+  }
   return depth;
 }
 

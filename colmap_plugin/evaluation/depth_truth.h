@@ -14,6 +14,11 @@ struct DepthTruthOptions {
   // its resolution or another one; 0 and 65535 = no value.
   std::string path;
 
+  // Folder with one mask per image, named and aligned alike: where it is black,
+  // nothing is compared with the truth, which still tells the scale. Empty =
+  // everything is compared.
+  std::string mask_path;
+
   // What the PNG says for one metre: 1000 for millimetres.
   double scale = 1000;
 
@@ -41,9 +46,12 @@ class DepthTruth {
   cv::Mat1f Read(const std::string& image_name,
                  const colmap::Camera& camera) const;
 
- private:
-  std::string Path(const std::string& image_name) const;
+  // The same where the mask is not black. Throws std::runtime_error, naming the
+  // mask, if it cannot be read.
+  cv::Mat1f ReadMasked(const std::string& image_name,
+                       const colmap::Camera& camera) const;
 
+ private:
   const DepthTruthOptions options_;
 };
 

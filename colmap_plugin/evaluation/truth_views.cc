@@ -57,7 +57,7 @@ const colmap::Camera& TruthViews::Camera(const std::string& name) const {
 }
 
 cv::Mat1f TruthViews::Depth(const std::string& name) const {
-  return truth_.Read(name, Camera(name));
+  return truth_.ReadMasked(name, Camera(name));
 }
 
 cv::Mat1b TruthViews::Textured(const std::string& name,
@@ -90,7 +90,7 @@ const cv::Mat2d& TruthViews::Rays(const std::string& name,
 SceneScale TruthViews::EstimateScale() const {
   SceneScaleEstimator estimator;
   for (const std::string& name : names_) {
-    estimator.AddImage(model_, Image(name), Depth(name));
+    estimator.AddImage(model_, Image(name), truth_.Read(name, Camera(name)));
   }
   return estimator.Estimate();
 }

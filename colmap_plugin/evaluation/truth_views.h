@@ -36,7 +36,7 @@ class TruthViews {
   const colmap::Image& Image(const std::string& name) const;
   const colmap::Camera& Camera(const std::string& name) const;
 
-  // Metres, 0 = no value.
+  // Metres, 0 = no value, or none that is to be compared with.
   cv::Mat1f Depth(const std::string& name) const;
 
   // Which pixels of the truth, which has `size`, see texture (255, else 0).

@@ -51,7 +51,7 @@ TEST_F(TerminalTest, ShowsABarThatIsRedrawnInPlace) {
   EXPECT_THAT(result.error, ContainsRegex("Training +.#+\\.+. [0-9]+ %"));
   EXPECT_THAT(result.error, HasSubstr(" left, loss "));
   // One line per stage in the end, and a few sentences.
-  EXPECT_LT(std::count(result.error.begin(), result.error.end(), '\n'), 10);
+  EXPECT_LT(std::count(result.error.begin(), result.error.end(), '\n'), 20);
   EXPECT_THAT(result.out, HasSubstr("Points fused"));
 }
 

@@ -23,7 +23,8 @@ using nlohmann::json;
 constexpr char kUsage[] =
     "structnerf_results_table RUNS_FOLDER METHOD...\n"
     "Prints a table of methods x scenes. RUNS_FOLDER/SCENE/METHOD/SEED holds\n"
-    "eval.json of structnerf_eval and report.json of the run behind it.\n"
+    "eval.json of structnerf_eval, report.json of the run behind it and, if a\n"
+    "part of the scene is of interest, part.json of structnerf_eval on it.\n"
     "Shown is the mean over the seeds, and how far they are apart (half of\n"
     "the range). Methods are shown in the order given.\n";
 
@@ -59,6 +60,11 @@ const std::vector<Metric>& Metrics() {
        true},
       {"untextured < 5 cm %",
        Place("/eval/maps/photometric/sfm_scale/untextured/within_5cm"),
+       "%.1f",
+       100,
+       true},
+      {"part < 5 cm %",
+       Place("/part/maps/photometric/sfm_scale/all/within_5cm"),
        "%.1f",
        100,
        true},
@@ -123,8 +129,12 @@ std::vector<json> ReadRuns(const fs::path& method_path) {
   std::vector<json> runs;
   if (fs::is_directory(method_path)) {
     for (const fs::path& run_path : SortedEntries(method_path)) {
-      runs.push_back({{"eval", ReadJson(run_path / "eval.json")},
-                      {"report", ReadJson(run_path / "report.json")}});
+      json& run = runs.emplace_back();
+      run["eval"] = ReadJson(run_path / "eval.json");
+      run["report"] = ReadJson(run_path / "report.json");
+      if (fs::exists(run_path / "part.json")) {
+        run["part"] = ReadJson(run_path / "part.json");
+      }
     }
   }
   return runs;

@@ -41,6 +41,16 @@ class ResultsTableTest : public testing::Test {
   TempDir dir_;
 };
 
+TEST_F(ResultsTableTest, ShowsThePartOfInterest) {
+  WriteRun("room/full/0", R"({"held_out": {"psnr": 20}})");
+  std::ofstream(dir_ / "runs/room/full/0/part.json")
+      << R"({"maps": {"photometric": {"sfm_scale":
+             {"all": {"within_5cm": 0.125}}}}})";
+  const std::string table = Run(true);
+  EXPECT_THAT(table, HasSubstr("| part < 5 cm % |"));
+  EXPECT_THAT(table, HasSubstr("12.5"));
+}
+
 TEST_F(ResultsTableTest, ShowsMeanSpreadAndTheBest) {
   for (const auto& [seed, psnr] :
        {std::pair("0", "20"), std::pair("1", "21"), std::pair("2", "22.5")}) {

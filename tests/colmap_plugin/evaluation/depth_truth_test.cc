@@ -65,6 +65,34 @@ TEST_F(DepthTruthTest, FindsBothWaysOfNaming) {
   EXPECT_EQ(truth.Read("y.jpg", camera_)(0, 0), 1);
 }
 
+TEST_F(DepthTruthTest, MaskedTruthIsLeftOut) {
+  Write("depth/x.png", cv::Mat(2, 4, CV_16UC1, cv::Scalar(1000)));
+  Write("masks/x.png", (cv::Mat1b(2, 4) << 0, 255, 255, 1, 0, 0, 0, 255));
+  options_.path = temp_dir_ / "depth";
+  const cv::Mat1f all = cv::Mat1f::ones(2, 4);
+  const auto difference = [&](const cv::Mat1f& depth, const cv::Mat1f& other) {
+    return cv::norm(depth, other, cv::NORM_INF);
+  };
+  EXPECT_EQ(difference(DepthTruth(options_).ReadMasked("x.jpg", camera_), all),
+            0);
+
+  options_.mask_path = temp_dir_ / "masks";
+  const DepthTruth truth(options_);
+  const cv::Mat1f expected = (cv::Mat1f(2, 4) << 0, 1, 1, 1, 0, 0, 0, 1);
+  EXPECT_EQ(difference(truth.ReadMasked("x.jpg", camera_), expected), 0);
+  EXPECT_EQ(difference(truth.Read("x.jpg", camera_), all), 0);
+
+  // Of another size.
+  Write("masks/x.png", (cv::Mat1b(1, 2) << 0, 255));
+  const cv::Mat1f right = (cv::Mat1f(2, 4) << 0, 0, 1, 1, 0, 0, 1, 1);
+  EXPECT_EQ(difference(truth.ReadMasked("x.jpg", camera_), right), 0);
+
+  Write("depth/y.png", cv::Mat(2, 4, CV_16UC1, cv::Scalar(1000)));
+  EXPECT_THROW(truth.ReadMasked("y.jpg", camera_), std::runtime_error);
+  options_.mask_path = temp_dir_ / "none";
+  EXPECT_THROW(DepthTruth{options_}, std::runtime_error);
+}
+
 TEST_F(DepthTruthTest, NamesTheFileThatIsWrong) {
   Write("grey.png", cv::Mat(2, 4, CV_8UC1, cv::Scalar(10)));
   EXPECT_THAT(ReadError("grey.jpg"), HasSubstr("grey.png is not a 16-bit"));
