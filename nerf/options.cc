@@ -213,17 +213,17 @@ ReconstructionOptions QualityPreset(const std::string& quality) {
     options.loss.patch_dilation = 3;
     options.stereo.num_iterations = 1;
   } else if (quality == "high") {
-    options.training.num_steps = 3000;
+    options.training.num_steps = 6000;
     options.training.max_image_size = 640;
-    options.loss.patch_dilation = 4;
-    options.sampling.num_samples = 24;
-    options.stereo.num_iterations = 3;
+    options.loss.patch_dilation = 6;
+    options.sampling.num_samples = 32;
+    options.stereo.num_iterations = 4;
   } else if (quality == "extreme") {
     options.training.num_steps = 6000;
     options.training.max_image_size = 1024;
     options.loss.patch_dilation = 6;
-    options.sampling.num_samples = 32;
-    options.stereo.num_iterations = 4;
+    options.sampling.num_samples = 48;
+    options.stereo.num_iterations = 6;
   } else if (quality == "paper") {
     options.field.type = "mlp";
     options.sampling.num_samples = 64;

@@ -20,7 +20,7 @@ constexpr int kMaxMaxResolution = 8192;
 
 constexpr double kMaxGrowth = 4;
 
-constexpr double kCellsPerEntry = 6;
+constexpr double kCellsPerEntry = 4;
 constexpr int kMinLog2TableSize = 12;
 constexpr int kMaxLog2TableSize = 21;
 
@@ -106,7 +106,7 @@ SceneDecision ChooseTableSize(const Scene& scene,
         CountSurfaceCells(scene, frame, field->max_resolution);
     field->log2_table_size = std::clamp(
         static_cast<int>(
-            std::lround(std::log2(std::max(1.0, num_cells / kCellsPerEntry)))),
+            std::floor(std::log2(std::max(1.0, num_cells / kCellsPerEntry)))),
         kMinLog2TableSize,
         kMaxLog2TableSize);
     decision.reason = Text(

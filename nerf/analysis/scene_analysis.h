@@ -21,10 +21,9 @@ struct SceneAnalysis {
 //   of the training images at the median depth of the sparse points. Much finer
 //   cells hold what no photograph shows.
 // - field.num_levels: from level to level, cells shrink to a quarter at most.
-// - field.log2_table_size: one entry for six cells of the finest level that
-// surfaces
-//   pass through, as a power of two. As many share one without harm, since
-//   coarser levels tell them apart.
+// - field.log2_table_size: one entry for four to eight cells that surfaces pass
+//   through at the finest level. As many share one without harm, since coarser
+//   levels tell them apart.
 //
 // Options that are given stay as they are. Photographs are not needed, only the
 // share of planar superpixels is told from them. Throws std::invalid_argument

@@ -312,16 +312,18 @@ TEST(ReconstructionOptions, RangeAndValueAreInTheMessage) {
 }
 
 TEST(QualityPreset, WordsGiveEverMoreWork) {
-  int last_num_steps = 0;
+  int last_num_samples = 0;
   int last_image_size = 0;
   for (const char* const quality : {"low", "medium", "high", "extreme"}) {
     SCOPED_TRACE(quality);
     const ReconstructionOptions options = QualityPreset(quality);
     std::string error;
     EXPECT_TRUE(options.Check(&error)) << error;
-    EXPECT_GT(options.training.num_steps, last_num_steps);
+    const int num_samples =
+        options.training.num_steps * options.sampling.num_samples;
+    EXPECT_GT(num_samples, last_num_samples);
     EXPECT_GE(options.training.max_image_size, last_image_size);
-    last_num_steps = options.training.num_steps;
+    last_num_samples = num_samples;
     last_image_size = options.training.max_image_size;
   }
 }
