@@ -29,10 +29,9 @@ print_row() { # report, views, size, threads
       rest = wall - training - maps
     }
     /^CPU time/ { cpu = $3 }
-    /^Peak memory/ { peak = $3; expected = substr($5, 1) }
+    /^Peak memory/ { peak = $3; expected = $6 }
     END {
-      gsub(/[()]/, "", expected)
-      printf "| %d | %s | %d | %.0f | %.0f | %.0f | %.0f | %.0f | %.2f | %s |\n",
+      printf "| %d | %s | %d | %.0f | %.0f | %.0f | %.0f | %.0f | %.2f | %.2f |\n",
         views, size, threads, wall, training, maps, rest, cpu, peak, expected
     }' "$1"
 }
