@@ -5,11 +5,12 @@
 # stands for the scene's folder (see results_methods.txt, results_ablations.txt).
 # SCENE_FOLDER holds images, sparse/0 and depth (16-bit PNGs in millimetres); "room"
 # stands for the generated room, room:FAULT for one with a fault (structnerf_make_room
-# --help lists them), whose faulty part is measured on its own, too. SEEDS=3 is the number of runs of each, OPTIONS are
-# more options for all of them, LPIPS_PATH is a TorchScript module of LPIPS. Runs
-# whose result is in OUTPUT_FOLDER already are not repeated.
+# --help lists them), whose faulty part is measured on its own, too. SEEDS=3 is the
+# number of runs of each, OPTIONS are more options for all of them, LPIPS_PATH is a
+# TorchScript module of LPIPS. Runs whose result is in OUTPUT_FOLDER already are not
+# repeated.
 set -euo pipefail
-[ $# -ge 3 ] || { sed -n '2,10s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" >&2; exit 1; }
+[ $# -ge 3 ] || { sed -n '2,12s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" >&2; exit 1; }
 # shellcheck source=cmake/setup.sh
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 

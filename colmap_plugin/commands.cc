@@ -165,15 +165,24 @@ bool ParseDenseCommand(const std::vector<std::string>& raw_args,
   return true;
 }
 
+// That of the command, which may have been read already.
+std::shared_ptr<const colmap::Reconstruction> ModelOf(
+    const DenseCommand& command) {
+  return command.model != nullptr
+             ? command.model
+             : std::make_shared<const colmap::Reconstruction>(
+                   ReadModel(ModelPath(command)));
+}
+
 // With what the scene decides, if one is given.
 void PrintOptions(const DenseCommand& command) {
   StructNerfOptions options = command.options;
   std::vector<SceneDecision> decisions;
   if (!ModelPath(command).empty()) {
-    const colmap::Reconstruction model = ReadModel(ModelPath(command));
-    CheckModel(model);
+    const auto model = ModelOf(command);
+    CheckModel(*model);
     SceneAnalysis analysis =
-        AnalyzeScene(OutlineScene(model), options.reconstruction);
+        AnalyzeScene(OutlineScene(*model), options.reconstruction);
     options.reconstruction = std::move(analysis.options);
     decisions = std::move(analysis.decisions);
   }
@@ -189,10 +198,7 @@ void PrintOptions(const DenseCommand& command) {
 int RunController(const DenseCommand& command) {
   std::shared_ptr<const colmap::Reconstruction> reconstruction;
   if (command.options.workspace_path.empty()) {
-    reconstruction = command.model != nullptr
-                         ? command.model
-                         : std::make_shared<const colmap::Reconstruction>(
-                               ReadModel(command.input_path));
+    reconstruction = ModelOf(command);
   }
   const ScopedInterrupts interrupts;
   // COLMAP's own lines would tear the progress line apart.

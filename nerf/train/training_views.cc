@@ -77,8 +77,7 @@ TrainingViews::TrainingViews(const Scene& scene, const SceneFrame& frame) {
   for (const View& view : scene.views) {
     images_.push_back({view.image.width, view.image.height, num_pixels});
     num_pixels += static_cast<size_t>(view.image.width) * view.image.height;
-    geometries_.emplace_back(
-        view, view.camera.Resized(view.image.width, view.image.height), frame);
+    geometries_.emplace_back(view, view.ImageCamera(), frame);
     exposures_.push_back(view.exposure);
   }
   if (num_pixels >= kMaxPixels) {
