@@ -10,7 +10,7 @@
 # TorchScript module of LPIPS. Runs whose result is in OUTPUT_FOLDER already are not
 # repeated.
 set -euo pipefail
-[ $# -ge 3 ] || { sed -n '2,12s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" >&2; exit 1; }
+[ $# -ge 3 ] || { sed -n '2,11s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" >&2; exit 1; }
 # shellcheck source=cmake/setup.sh
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
