@@ -1,8 +1,10 @@
 #!/usr/bin/env bash
 # Runs methods x scenes x seeds, measures each run, and prints one table.
 #   cmake/results.sh OUTPUT_FOLDER METHODS_FILE SCENE_FOLDER...
-# METHODS_FILE: a name and options of structnerf_dense on each line, in which SCENE
-# stands for the scene's folder (see results_methods.txt, results_ablations.txt).
+# METHODS_FILE: a name and options of structnerf_dense on each line, in which PRIOR
+# stands for depth maps to go by: the folder SCENE_FOLDER/prior if there is one, else what
+# the stage's own field has made of the training images at quality medium (see
+# results_methods.txt, results_ablations.txt).
 # SCENE_FOLDER holds images, sparse/0 and depth (16-bit PNGs in millimetres); "room"
 # stands for the generated room, room:FAULT for one with a fault (structnerf_make_room
 # --help lists them), whose faulty part is measured on its own, too. SEEDS=3 is the
@@ -10,7 +12,7 @@
 # TorchScript module of LPIPS. Runs whose result is in OUTPUT_FOLDER already are not
 # repeated.
 set -euo pipefail
-[ $# -ge 3 ] || { sed -n '2,11s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" >&2; exit 1; }
+[ $# -ge 3 ] || { sed -n '2,13s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" >&2; exit 1; }
 # shellcheck source=cmake/setup.sh
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
@@ -50,6 +52,28 @@ run_once() { # scene folder, folder of the result, seed, options
   rm -r "$work"
 }
 
+# Prints the folder of the depth maps that PRIOR stands for.
+prior_of() { # scene folder, its name
+  local scene=$1 prior=$output/priors/$2 work
+  if [ -d "$scene/prior" ]; then
+    echo "$scene/prior"
+    return
+  fi
+  if [ ! -d "$prior" ]; then
+    say "$2, depth priors"
+    work=$(mktemp -d "$output/run.XXXXXX")
+    # Matching would look at photographs that are held out.
+    "$program" structnerf_dense --image_path "$scene/images" \
+      --input_path "$scene/sparse/0" --output_path "$work/dense" \
+      --StructNeRF.test_every 8 --StructNeRF.stereo_num_iterations 0 \
+      > "$work/log" 2>&1 || die "no priors: $(tail -n1 "$work/log")"
+    mkdir -p "$output/priors"
+    mv "$work/dense/stereo/depth_maps" "$prior"
+    rm -r "$work"
+  fi
+  echo "$prior"
+}
+
 for scene in "$@"; do
   name=$(basename "$scene")
   if [[ $scene =~ ^room(:(.*))?$ ]]; then
@@ -64,10 +88,9 @@ for scene in "$@"; do
   while read -r method options; do
     case "$method" in ''|'#'*) continue ;; esac
     methods+=("$method")
-    options=${options//SCENE/$scene}
-    if [[ $options == *"$scene/prior"* && ! -d $scene/prior ]]; then
-      missing+=("$output/runs/$name/$method: the scene has no folder prior")
-      continue
+    if [[ $options == *PRIOR* ]]; then
+      prior=$(prior_of "$scene" "$name" < /dev/null)
+      options=${options//PRIOR/$prior}
     fi
     for ((seed = 0; seed < ${SEEDS:-3}; ++seed)); do
       result=$output/runs/$name/$method/$seed

@@ -38,10 +38,6 @@ constexpr size_t kOverheadBytes = size_t{64} << 20;
 
 constexpr int kMinTrainingImageSize = 64;
 
-std::string GbText(const size_t num_bytes) {
-  return FormatNumber("%.2f GB", num_bytes / kBytesPerGb);
-}
-
 }  // namespace
 
 std::vector<PinholeCamera> UndistortedCameras(
@@ -62,13 +58,12 @@ std::vector<PinholeCamera> UndistortedCameras(
 
 MemoryPlan PlanMemory(const StructNerfOptions& options,
                       const std::vector<PinholeCamera>& cameras) {
-  size_t width = 0;
-  size_t height = 0;
+  PinholeCamera largest;
   for (const PinholeCamera& camera : cameras) {
-    width = std::max<size_t>(width, camera.width);
-    height = std::max<size_t>(height, camera.height);
+    largest.width = std::max(largest.width, camera.width);
+    largest.height = std::max(largest.height, camera.height);
   }
-  const size_t num_pixels = width * height;
+  const size_t num_pixels = largest.NumPixels();
   const size_t num_sources = options.reconstruction.loss.num_sources;
   const size_t min_map_bytes =
       num_pixels *
@@ -83,11 +78,11 @@ MemoryPlan PlanMemory(const StructNerfOptions& options,
   plan.limit = MemoryLimit(options.max_memory_gb);
   ReconstructionOptions reduced = options.reconstruction;
   int& image_size = reduced.training.max_image_size;
-  image_size = std::min(image_size, static_cast<int>(std::max(width, height)));
+  image_size = std::min(image_size, std::max(largest.width, largest.height));
   const int wanted_image_size = image_size;
   while (true) {
     const size_t training_bytes =
-        Reconstructor::EstimateMemory(reduced, cameras.size(), width, height);
+        Reconstructor::EstimateMemory(reduced, cameras.size(), largest);
     const size_t needed_bytes =
         present_bytes +
         std::max(decoding_bytes, training_bytes + min_map_bytes);
@@ -134,8 +129,7 @@ void CheckDiskSpace(const std::string& output_path,
   }
   size_t needed = num_image_bytes;
   for (const PinholeCamera& camera : cameras) {
-    needed +=
-        static_cast<size_t>(camera.width) * camera.height * kDiskBytesPerPixel;
+    needed += camera.NumPixels() * kDiskBytesPerPixel;
   }
   needed -= std::min(needed, num_present_bytes);
   std::error_code error;

@@ -65,8 +65,7 @@ cv::Mat ReadImage(const SceneConverterOptions& options, const View& view) {
 
 void LoadPixels(const SceneConverterOptions& options, View* view) {
   const cv::Mat full_image = ReadImage(options, *view);
-  const PinholeCamera reduced =
-      ReducedCamera(view->camera, options.max_image_size);
+  const PinholeCamera reduced = view->camera.Reduced(options.max_image_size);
   const cv::Size size(reduced.width, reduced.height);
   cv::Mat image;
   cv::resize(full_image, image, size, 0, 0, cv::INTER_AREA);
@@ -89,8 +88,8 @@ void LoadPixels(const SceneConverterOptions& options, View* view) {
   }
 
   if (options.planar_min_area > 0) {
-    const double area_ratio = static_cast<double>(size.area()) /
-                              view->camera.width / view->camera.height;
+    const double area_ratio =
+        static_cast<double>(size.area()) / view->camera.NumPixels();
     view->segments = FindLargeSuperpixels(
         view->image,
         std::max(1, static_cast<int>(options.planar_min_area * area_ratio)));
@@ -135,18 +134,6 @@ PinholeCamera ToPinholeCamera(const colmap::Camera& camera) {
           camera.FocalLengthY(),
           camera.PrincipalPointX(),
           camera.PrincipalPointY()};
-}
-
-PinholeCamera ReducedCamera(const PinholeCamera& camera,
-                            const int max_image_size) {
-  const int longest = std::max(camera.width, camera.height);
-  if (longest <= max_image_size) {
-    return camera;
-  }
-  const double scale = max_image_size / static_cast<double>(longest);
-  return camera.Resized(
-      std::max(1, static_cast<int>(std::lround(scale * camera.width))),
-      std::max(1, static_cast<int>(std::lround(scale * camera.height))));
 }
 
 Scene ConvertGeometry(const colmap::Reconstruction& reconstruction) {

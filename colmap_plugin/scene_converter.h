@@ -12,9 +12,6 @@ namespace structnerf {
 // The pinhole camera that an undistorted camera is.
 PinholeCamera ToPinholeCamera(const colmap::Camera& camera);
 
-// The same camera with at most so many pixels along its longer side.
-PinholeCamera ReducedCamera(const PinholeCamera& camera, int max_image_size);
-
 struct SceneConverterOptions {
   // Folder with the undistorted images.
   std::string image_path;

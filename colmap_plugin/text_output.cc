@@ -1,5 +1,6 @@
 #include "colmap_plugin/text_output.h"
 
+#include "colmap_plugin/memory_budget.h"
 #include "nerf/util/whole_file.h"
 
 #include <cstdarg>
@@ -24,6 +25,10 @@ std::string FormatNumber(const char* format, const double value) {
 
 std::string SizeText(const size_t width, const size_t height) {
   return std::to_string(width) + "x" + std::to_string(height);
+}
+
+std::string GbText(const size_t num_bytes) {
+  return FormatNumber("%.2f GB", num_bytes / kBytesPerGb);
 }
 
 void WriteTextFile(const std::string& path, const std::string& text) {

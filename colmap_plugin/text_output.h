@@ -15,6 +15,9 @@ std::string FormatNumber(const char* format, double value);
 // "640x480".
 std::string SizeText(size_t width, size_t height);
 
+// "0.25 GB".
+std::string GbText(size_t num_bytes);
+
 // Written beside and renamed. Throws std::runtime_error, naming the file, if
 // that fails.
 void WriteTextFile(const std::string& path, const std::string& text);

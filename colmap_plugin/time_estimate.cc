@@ -32,13 +32,9 @@ TimeEstimate EstimateTime(const StructNerfOptions& options,
   double map_pixels = 0;
   double training_pixels = 0;
   for (const PinholeCamera& camera : cameras) {
-    const double pixels = static_cast<double>(camera.width) * camera.height;
-    const double ratio =
-        std::min(1.0,
-                 static_cast<double>(method.training.max_image_size) /
-                     std::max(camera.width, camera.height));
-    map_pixels += pixels;
-    training_pixels += ratio * ratio * pixels;
+    map_pixels += camera.NumPixels();
+    training_pixels +=
+        camera.Reduced(method.training.max_image_size).NumPixels();
   }
   const double samples = static_cast<double>(method.training.num_steps) *
                          method.training.rays_per_step *

@@ -8,7 +8,6 @@
 #include "nerf/field/field_file.h"
 #include "nerf/field/mlp_layout.h"
 #include "nerf/planes/plane_completion.h"
-#include "nerf/scene_frame.h"
 #include "nerf/scene_guards.h"
 #include "nerf/stereo/depth_refinement.h"
 #include "nerf/train/checkpoint.h"
@@ -94,9 +93,9 @@ class Reconstructor::Impl {
       }
     }
     const int num_contradictory = RemoveContradictoryPoints(&scene);
-    frame = ComputeSceneFrame(scene);
     SceneAnalysis analysis = AnalyzeScene(scene, options);
     options = std::move(analysis.options);
+    frame = analysis.frame;
     decisions = std::move(analysis.decisions);
     for (size_t v = 0; v < scene.views.size(); ++v) {
       (IsHeldOut(v, options.training.test_every) ? test_view_idxs
@@ -181,25 +180,19 @@ class Reconstructor::Impl {
 
 size_t Reconstructor::EstimateMemory(const ReconstructionOptions& options,
                                      const size_t num_views,
-                                     const size_t width,
-                                     const size_t height) {
-  const double ratio = std::min(
-      1.0,
-      options.training.max_image_size /
-          static_cast<double>(std::max<size_t>(1, std::max(width, height))));
-  const double training_pixels =
-      ratio * ratio * static_cast<double>(width * height);
-  const size_t refinement = static_cast<size_t>(
+                                     const PinholeCamera& camera) {
+  const size_t training_pixels =
+      camera.Reduced(options.training.max_image_size).NumPixels();
+  const size_t refinement =
       training_pixels *
       (kBytesPerRefinedPixel +
-       kBytesPerRefinedPixelAndSource * options.stereo.num_used_sources));
+       kBytesPerRefinedPixelAndSource * options.stereo.num_used_sources);
   const size_t engine = options.field.type == "mlp"
                             ? EstimateMlpMemory(options)
                             : EstimateGridMemory(options);
   return engine + refinement +
-         static_cast<size_t>(num_views * training_pixels *
-                             kBytesPerTrainingPixel) +
-         width * height * kBytesPerMapPixel;
+         num_views * training_pixels * kBytesPerTrainingPixel +
+         camera.NumPixels() * kBytesPerMapPixel;
 }
 
 Reconstructor::Reconstructor(Scene scene,

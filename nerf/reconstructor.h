@@ -42,12 +42,11 @@ struct TrainingSummary {
 class Reconstructor {
  public:
   // Bytes that a run with these options, of which none is kFromScene, will need
-  // at its peak, without having loaded anything:
-  // `num_views` views of `width` x `height` (camera size, the largest).
+  // at its peak, without having loaded anything: `num_views` views of `camera`,
+  // the largest.
   static size_t EstimateMemory(const ReconstructionOptions& options,
                                size_t num_views,
-                               size_t width,
-                               size_t height);
+                               const PinholeCamera& camera);
 
   // Throws std::invalid_argument if the scene or the options are wrong.
   Reconstructor(Scene scene,
@@ -67,12 +66,12 @@ class Reconstructor {
   const std::vector<SceneDecision>& Decisions() const;
   const ReconstructionOptions& Options() const;
 
-  // Trains until the options' steps are done or `progress` asks to stop.
-  // Throws Aborted if told to abort. Goes on from a checkpoint if there is one,
-  // to the same result, and writes new ones. Throws CheckpointMismatch if it is
-  // one of another run or scene. If `max_seconds` is positive, the schedule is
-  // fitted into as much wall time from now on; the result then depends on how
-  // fast the machine is.
+  // Trains until the options' steps are done or `progress` asks to stop. Throws
+  // Aborted if told to abort. Goes on from a checkpoint if there is one, to the
+  // same result, and writes new ones. Throws CheckpointMismatch if it is one of
+  // another run or scene. If `max_seconds` is positive, the schedule is fitted
+  // into as much wall time from now on; the result then depends on how fast the
+  // machine is.
   void Train(Progress* progress,
              const CheckpointOptions& checkpoints = {},
              double max_seconds = 0);

@@ -81,6 +81,16 @@ PinholeCamera PinholeCamera::Resized(const int new_width,
           cy * scale_y};
 }
 
+PinholeCamera PinholeCamera::Reduced(const int max_size) const {
+  const int longest = std::max(width, height);
+  if (longest <= max_size) {
+    return *this;
+  }
+  const double scale = max_size / static_cast<double>(longest);
+  return Resized(std::max(1, static_cast<int>(std::lround(scale * width))),
+                 std::max(1, static_cast<int>(std::lround(scale * height))));
+}
+
 Eigen::Matrix3d PinholeCamera::CalibrationMatrix() const {
   Eigen::Matrix3d k;
   k << fx, 0, cx, 0, fy, cy, 0, 0, 1;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -20,6 +21,11 @@ struct PinholeCamera {
 
   // The same camera with another image size over the same field of view.
   PinholeCamera Resized(int new_width, int new_height) const;
+
+  // The same camera with at most `max_size` pixels along its longer side.
+  PinholeCamera Reduced(int max_size) const;
+
+  size_t NumPixels() const { return static_cast<size_t>(width) * height; }
 
   // From the camera frame to homogeneous image points.
   Eigen::Matrix3d CalibrationMatrix() const;

@@ -1,6 +1,7 @@
 #include "nerf/view_selection.h"
 
 #include "nerf/scene_frame.h"
+#include "nerf/util/median.h"
 
 #include <algorithm>
 #include <cmath>
@@ -43,12 +44,7 @@ double TypicalDepth(const Scene& scene) {
           DepthInView(scene.views[observation.view_idx], point.xyz));
     }
   }
-  if (depths.empty()) {
-    return 1.0;
-  }
-  const auto middle = depths.begin() + depths.size() / 2;
-  std::nth_element(depths.begin(), middle, depths.end());
-  return std::max(*middle, 1e-12);
+  return depths.empty() ? 1.0 : std::max(Median(&depths), 1e-12);
 }
 
 std::vector<std::vector<int>> SelectNeighborViews(

@@ -5,22 +5,16 @@
 #include "colmap_plugin/run_plan.h"
 #include "colmap_plugin/scene_converter.h"
 #include "colmap_plugin/terminal_progress.h"
+#include "colmap_plugin/text_output.h"
 #include "colmap_plugin/time_estimate.h"
 #include "nerf/analysis/scene_analysis.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <exception>
 #include <utility>
 
 namespace structnerf {
 namespace {
-
-std::string GbText(const size_t num_bytes) {
-  char text[32];
-  snprintf(text, sizeof(text), "%.1f GB", num_bytes / 1024.0 / 1024.0 / 1024.0);
-  return text;
-}
 
 double ExpectedSeconds(const StructNerfOptions& options,
                        const std::vector<PinholeCamera>& cameras) {

@@ -93,7 +93,7 @@ class FrameRenderer {
     for (View& view : views) {
       CheckName(view.name);
       if (options_.max_image_size > 0) {
-        view.camera = ReducedCamera(view.camera, options_.max_image_size);
+        view.camera = view.camera.Reduced(options_.max_image_size);
       }
     }
     return views;

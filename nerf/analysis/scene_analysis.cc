@@ -1,7 +1,6 @@
 #include "nerf/analysis/scene_analysis.h"
 
 #include "nerf/analysis/surface_size.h"
-#include "nerf/scene_frame.h"
 #include "nerf/util/median.h"
 
 #include <algorithm>
@@ -52,13 +51,8 @@ double PixelFootprint(const Scene& scene,
                       const int max_image_size) {
   std::vector<double> footprints;
   for (const View& view : scene.views) {
-    const PinholeCamera& camera = view.camera;
-    const double ratio = std::min(
-        1.0,
-        max_image_size /
-            static_cast<double>(std::max(camera.width, camera.height)));
-    footprints.push_back(frame.median_depth /
-                         (ratio * std::sqrt(camera.fx * camera.fy)));
+    const PinholeCamera camera = view.camera.Reduced(max_image_size);
+    footprints.push_back(frame.median_depth / std::sqrt(camera.fx * camera.fy));
   }
   return Median(&footprints);
 }
@@ -174,8 +168,8 @@ bool HasSegments(const Scene& scene) {
 
 SceneAnalysis AnalyzeScene(const Scene& scene,
                            const ReconstructionOptions& options) {
-  SceneAnalysis analysis{options, {}};
-  const SceneFrame frame = ComputeSceneFrame(scene);
+  SceneAnalysis analysis{options, ComputeSceneFrame(scene), {}};
+  const SceneFrame& frame = analysis.frame;
   analysis.decisions.push_back(DescribeBox(scene, frame));
   FieldOptions& field = analysis.options.field;
   if (field.type == "grid") {

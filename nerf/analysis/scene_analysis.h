@@ -3,6 +3,7 @@
 #include "nerf/analysis/scene_decision.h"
 #include "nerf/options.h"
 #include "nerf/scene.h"
+#include "nerf/scene_frame.h"
 
 #include <vector>
 
@@ -11,6 +12,8 @@ namespace structnerf {
 struct SceneAnalysis {
   // Nothing that they use is kFromScene.
   ReconstructionOptions options;
+
+  SceneFrame frame;
 
   std::vector<SceneDecision> decisions;
 };

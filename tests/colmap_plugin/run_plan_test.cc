@@ -59,7 +59,7 @@ TEST(PlanMemory, ReducesImagesAndSaysSo) {
   ReconstructionOptions small = options.reconstruction;
   small.training.max_image_size = 500;
   options.max_memory_gb =
-      Reconstructor::EstimateMemory(small, 3000, 2000, 1500) / kBytesPerGb + 1;
+      Reconstructor::EstimateMemory(small, 3000, cameras[0]) / kBytesPerGb + 1;
   const MemoryPlan plan = PlanMemory(options, cameras);
   EXPECT_LT(plan.max_image_size, 2000);
   EXPECT_GE(plan.max_image_size, 300);

@@ -12,17 +12,20 @@ namespace {
 
 TEST(EstimateMemory, GrowsWithEverythingThatCosts) {
   const ReconstructionOptions options;
-  const size_t base = Reconstructor::EstimateMemory(options, 20, 640, 480);
+  const PinholeCamera camera = MakeCamera(640, 480, 500);
+  const size_t base = Reconstructor::EstimateMemory(options, 20, camera);
   EXPECT_GT(base, size_t{10} << 20);
   EXPECT_LT(base, size_t{1} << 30);
-  EXPECT_GT(Reconstructor::EstimateMemory(options, 2000, 640, 480), base);
+  EXPECT_GT(Reconstructor::EstimateMemory(options, 2000, camera), base);
   // The maps of a view have its size, not that of the training images.
-  EXPECT_GT(Reconstructor::EstimateMemory(options, 20, 6400, 4800), base);
+  EXPECT_GT(
+      Reconstructor::EstimateMemory(options, 20, MakeCamera(6400, 4800, 5000)),
+      base);
   const auto expect_more =
       [&](const std::function<void(ReconstructionOptions*)>& change) {
         ReconstructionOptions more;
         change(&more);
-        EXPECT_GT(Reconstructor::EstimateMemory(more, 20, 640, 480), base);
+        EXPECT_GT(Reconstructor::EstimateMemory(more, 20, camera), base);
       };
   expect_more([](ReconstructionOptions* o) { o->field.num_levels = 6; });
   expect_more([](ReconstructionOptions* o) { o->field.log2_table_size = 20; });
@@ -38,13 +41,14 @@ TEST(EstimateMemory, GrowsWithEverythingThatCosts) {
 TEST(EstimateMemory, OfTheMlpIsThatOfItsNetworks) {
   ReconstructionOptions options;
   options.field.type = "mlp";
-  const size_t base = Reconstructor::EstimateMemory(options, 20, 640, 480);
+  const PinholeCamera camera = MakeCamera(640, 480, 500);
+  const size_t base = Reconstructor::EstimateMemory(options, 20, camera);
   // Grid options play no role.
   options.field.log2_table_size = 24;
   options.sampling.cache_resolution = 512;
-  EXPECT_EQ(Reconstructor::EstimateMemory(options, 20, 640, 480), base);
+  EXPECT_EQ(Reconstructor::EstimateMemory(options, 20, camera), base);
   options.field.mlp_width = 512;
-  EXPECT_GT(Reconstructor::EstimateMemory(options, 20, 640, 480), base);
+  EXPECT_GT(Reconstructor::EstimateMemory(options, 20, camera), base);
 }
 
 // Only the C library keeps count.
@@ -89,8 +93,8 @@ TEST(EstimateMemory, CoversWhatIsAllocated) {
       view.segments.assign(c.size * c.size, 0);
     }
     scene.points = {MakePoint(scene, {0, 0, 4}, {0, 1})};
-    const size_t estimate =
-        Reconstructor::EstimateMemory(options, c.num_views, c.size, c.size);
+    const size_t estimate = Reconstructor::EstimateMemory(
+        options, c.num_views, MakeCamera(c.size, c.size, c.size));
     Reconstructor reconstructor(std::move(scene), options);
     Progress progress;
     reconstructor.Train(&progress);

@@ -143,7 +143,7 @@ TEST_F(ReconstructorTest, MapsKeepTheirPromises) {
     const RoomTruth truth =
         CastTruth(*room_, static_cast<int>(v), PixelPoint::kInteger);
     const size_t plane = maps.depth.size();
-    ASSERT_EQ(plane, static_cast<size_t>(camera.width) * camera.height);
+    ASSERT_EQ(plane, camera.NumPixels());
     ASSERT_EQ(maps.normal.size(), 3 * plane);
     ASSERT_EQ(maps.relative_std.size(), plane);
     num_pixels += plane;

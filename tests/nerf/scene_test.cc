@@ -111,6 +111,20 @@ TEST(Scene, WrongPointsAreNamed) {
       "error");
 }
 
+TEST(PinholeCamera, ReducedIsNeverEnlargedAndNeverEmpty) {
+  const PinholeCamera camera = MakeCamera(40, 30, 50);
+  EXPECT_EQ(camera.NumPixels(), 1200);
+  EXPECT_EQ(camera.Reduced(40).width, 40);
+  EXPECT_EQ(camera.Reduced(1000).fx, camera.fx);
+  const PinholeCamera half = camera.Reduced(20);
+  EXPECT_EQ(half.width, 20);
+  EXPECT_EQ(half.height, 15);
+  EXPECT_DOUBLE_EQ(half.fx, 25);
+  // The longer side counts, whichever it is.
+  EXPECT_EQ(MakeCamera(30, 40, 50).Reduced(20).width, 15);
+  EXPECT_EQ(MakeCamera(1000, 1, 50).Reduced(10).height, 1);
+}
+
 TEST(PinholeCamera, ResizedKeepsTheFieldOfView) {
   const PinholeCamera camera{40, 30, 50, 55, 19, 16};
   const PinholeCamera half = camera.Resized(20, 10);

@@ -12,8 +12,7 @@ namespace {
 
 // See DenseMaps.
 void CheckMaps(const View& view, const DenseMaps& maps) {
-  const size_t num_pixels =
-      static_cast<size_t>(view.camera.width) * view.camera.height;
+  const size_t num_pixels = view.camera.NumPixels();
   RequireStable(maps.depth.size() == num_pixels &&
                     maps.normal.size() == 3 * num_pixels &&
                     maps.relative_std.size() == num_pixels,
