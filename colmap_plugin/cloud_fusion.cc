@@ -215,4 +215,26 @@ size_t FuseMaps(const DenseWorkspace& workspace,
   return fusion.GetFusedPoints().size();
 }
 
+std::string EmptyCloudText(const MapType map_type,
+                           const bool has_geometric,
+                           const int min_num_pixels) {
+  const bool is_geometric = map_type == MapType::kGeometric;
+  std::string text = "No points were fused, because ";
+  if (is_geometric && !has_geometric) {
+    text += "no pixel's depth was confirmed by other views";
+  } else {
+    text += "no point was seen by " + std::to_string(min_num_pixels) +
+            " pixels of different views";
+  }
+  text += "; add images that overlap more";
+  if (is_geometric) {
+    text += ", or pass --StructNeRF.input_type photometric";
+  }
+  if (min_num_pixels > 1) {
+    text += ", or --StereoFusion.min_num_pixels " +
+            std::to_string(min_num_pixels - 1);
+  }
+  return text + ".";
+}
+
 }  // namespace structnerf

@@ -38,4 +38,10 @@ size_t FuseMaps(const DenseWorkspace& workspace,
                 size_t num_views,
                 Progress* progress);
 
+// Why no points were fused, and what to do about it. `has_geometric`: whether
+// any pixel's depth was confirmed by other views.
+std::string EmptyCloudText(MapType map_type,
+                           bool has_geometric,
+                           int min_num_pixels);
+
 }  // namespace structnerf

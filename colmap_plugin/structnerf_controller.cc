@@ -450,41 +450,22 @@ void StructNerfController::FusePoints() {
   if (!note.empty()) {
     progress_->Note(note);
   }
-  report_.num_fused_points =
-      FuseMaps(*workspace_,
-               options_.input_type == "geometric" ? MapType::kGeometric
-                                                  : MapType::kPhotometric,
-               fusion_options,
-               image_names_.size(),
-               progress_.get());
+  const MapType map_type = options_.input_type == "geometric"
+                               ? MapType::kGeometric
+                               : MapType::kPhotometric;
+  report_.num_fused_points = FuseMaps(*workspace_,
+                                      map_type,
+                                      fusion_options,
+                                      image_names_.size(),
+                                      progress_.get());
   if (report_.num_fused_points == 0) {
-    Warn(EmptyCloudText(fusion_options.min_num_pixels));
+    const bool has_geometric = std::any_of(
+        report_.views.begin(), report_.views.end(), [](const ViewReport& view) {
+          return view.num_geometric > 0;
+        });
+    Warn(
+        EmptyCloudText(map_type, has_geometric, fusion_options.min_num_pixels));
   }
-}
-
-std::string StructNerfController::EmptyCloudText(
-    const int min_num_pixels) const {
-  const bool is_geometric = options_.input_type == "geometric";
-  std::string text = "No points were fused, because ";
-  if (is_geometric && std::all_of(report_.views.begin(),
-                                  report_.views.end(),
-                                  [](const ViewReport& view) {
-                                    return view.num_geometric == 0;
-                                  })) {
-    text += "no pixel's depth was confirmed by other views";
-  } else {
-    text += "no point was seen by " + std::to_string(min_num_pixels) +
-            " pixels of different views";
-  }
-  text += "; add images that overlap more";
-  if (is_geometric) {
-    text += ", or pass --StructNeRF.input_type photometric";
-  }
-  if (min_num_pixels > 1) {
-    text += ", or --StereoFusion.min_num_pixels " +
-            std::to_string(min_num_pixels - 1);
-  }
-  return text + ".";
 }
 
 void StructNerfController::WriteResults() {

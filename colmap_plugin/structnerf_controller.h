@@ -83,9 +83,6 @@ class StructNerfController : public colmap::BaseController {
   // run has written them.
   DenseMaps RenderView(size_t view_idx);
 
-  // Why no points were fused and what to do about it.
-  std::string EmptyCloudText(int min_num_pixels) const;
-
   void BeginStage(const std::string& name);
   void ReportFraction(size_t num_done, size_t num_all);
   void Warn(const std::string& sentence);

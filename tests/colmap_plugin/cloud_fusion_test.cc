@@ -22,6 +22,7 @@ namespace {
 
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 
 // Images that see each point of a cloud, as in its .vis file.
 std::vector<std::vector<uint32_t>> ReadPointsVisibility(
@@ -176,6 +177,22 @@ TEST_F(CloudFusionTest, AbortWritesNothing) {
       FuseMaps(workspace_, MapType::kGeometric, options_, kNumViews, &progress),
       Aborted);
   EXPECT_FALSE(std::filesystem::exists(workspace_.FusedPath()));
+}
+
+TEST(EmptyCloudText, OffersWhatCanHelp) {
+  const std::string unconfirmed =
+      EmptyCloudText(MapType::kGeometric, /*has_geometric=*/false, 3);
+  EXPECT_THAT(unconfirmed, HasSubstr("confirmed by other views"));
+  EXPECT_THAT(unconfirmed, HasSubstr("input_type photometric"));
+  EXPECT_THAT(unconfirmed, HasSubstr("min_num_pixels 2."));
+  const std::string unseen =
+      EmptyCloudText(MapType::kGeometric, /*has_geometric=*/true, 3);
+  EXPECT_THAT(unseen, HasSubstr("seen by 3 pixels"));
+  // Nothing is offered that is so already.
+  const std::string photometric =
+      EmptyCloudText(MapType::kPhotometric, /*has_geometric=*/false, 1);
+  EXPECT_THAT(photometric, HasSubstr("seen by 1 pixels"));
+  EXPECT_THAT(photometric, Not(HasSubstr("--")));
 }
 
 TEST(DefaultMinNumPixels, GrowsWithTheViewsUpToColmapsDefault) {
