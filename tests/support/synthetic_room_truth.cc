@@ -60,7 +60,7 @@ RoomTruth CastTruth(const SyntheticRoom& room,
   RoomTruth truth;
   truth.width = camera.width;
   truth.height = camera.height;
-  const size_t num_pixels = camera.NumPixels();
+  const size_t num_pixels = static_cast<size_t>(camera.width) * camera.height;
   truth.depth.resize(num_pixels);
   truth.normal.resize(3 * num_pixels);
   truth.fault_mask.resize(num_pixels);
