@@ -29,8 +29,9 @@ constexpr size_t kRowsPerTask = 10;
 constexpr size_t kBytesPerPoint = 250;
 constexpr size_t kBytesPerGrowingPoint = 190;
 
-// Points that a pixel gives rise to, generously.
-constexpr double kPointsPerPixel = 0.1;
+// Points per pixel times StereoFusion's min_num_pixels: a point takes as many
+// pixels at least. Measured: 0.09 with 2, 0.03 to 0.045 with 5.
+constexpr double kPointsPerPixelGroup = 0.2;
 
 constexpr int kMinFusionImageSize = 320;
 
@@ -127,7 +128,11 @@ size_t EstimateFusionMemory(const colmap::mvs::StereoFusionOptions& options,
     max_queue_bytes =
         std::max(max_queue_bytes, width * height * (1 + height / kRowsPerTask));
   }
-  const auto num_points = static_cast<size_t>(num_pixels * kPointsPerPixel);
+  const int min_num_pixels = options.min_num_pixels > 0
+                                 ? options.min_num_pixels
+                                 : DefaultMinNumPixels(cameras.size());
+  const auto num_points =
+      static_cast<size_t>(num_pixels * kPointsPerPixelGroup / min_num_pixels);
   const size_t num_map_bytes =
       options.use_cache
           ? num_pixels + static_cast<size_t>(options.cache_size * kBytesPerGb)

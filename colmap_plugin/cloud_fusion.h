@@ -17,7 +17,8 @@ namespace structnerf {
 // nearly empty; pixels of geometric maps are confirmed by other views already.
 int DefaultMinNumPixels(size_t num_views);
 
-// Bytes that COLMAP's fusion needs at its peak for these views.
+// Bytes that COLMAP's fusion needs at its peak for these views. A
+// min_num_pixels of 0 stands for DefaultMinNumPixels.
 size_t EstimateFusionMemory(const colmap::mvs::StereoFusionOptions& options,
                             const std::vector<PinholeCamera>& cameras);
 

@@ -44,7 +44,7 @@ bool ParseTradeoffCommand(const std::vector<std::string>& args,
                            &command->settings,
                            "Settings to try: a comma between settings, blanks "
                            "between the options of one, e.g. \"quality=low, "
-                           "quality=high num_steps=6000, max_minutes=2\"");
+                           "quality=high num_steps=3000, max_minutes=2\"");
   manager.AddDefaultOption(
       "num_seeds", &command->num_seeds, "Runs of each setting");
   manager.AddDefaultOption(

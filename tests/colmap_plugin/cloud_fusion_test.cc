@@ -203,6 +203,18 @@ TEST(DefaultMinNumPixels, GrowsWithTheViewsUpToColmapsDefault) {
   EXPECT_EQ(DefaultMinNumPixels(1000), 5);
 }
 
+TEST(EstimateFusionMemory, MorePixelsPerPointMakeFewerPoints) {
+  const std::vector<PinholeCamera> cameras(100, {640, 480, 1, 1, 0, 0});
+  colmap::mvs::StereoFusionOptions options;
+  options.min_num_pixels = 2;
+  const size_t many_points = EstimateFusionMemory(options, cameras);
+  options.min_num_pixels = 5;
+  const size_t few_points = EstimateFusionMemory(options, cameras);
+  EXPECT_LT(few_points, many_points);
+  options.min_num_pixels = 0;  // as it will be chosen
+  EXPECT_EQ(EstimateFusionMemory(options, cameras), few_points);
+}
+
 TEST(FitFusionIntoMemory, ChangesNothingThatFits) {
   const std::vector<PinholeCamera> cameras(10, {640, 480, 1, 1, 0, 0});
   colmap::mvs::StereoFusionOptions options;
