@@ -3,12 +3,14 @@
 #include "tests/end_to_end/room_run.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <torch/script.h>
 
 namespace structnerf {
 namespace {
@@ -85,6 +87,26 @@ TEST_F(EvalTest, MeasuresDepthCloudAndHeldOutImages) {
   const double training_psnr = ReadJson(
       Dense() + "/structnerf/report.json")["training"]["held_out_psnr"];
   EXPECT_NEAR(held_out["psnr"], training_psnr, 2.5);
+}
+
+TEST_F(EvalTest, MeasuresWhatAModuleSays) {
+  torch::jit::Module module("distance");
+  module.define("def forward(self, a, b):\n  return (a - b).abs().mean()\n");
+  module.save(*temp_dir_ / "distance.pt");
+  const std::string path = *temp_dir_ / "lpips.json";
+  std::vector<std::string> arguments = Arguments(path);
+  arguments.insert(arguments.end(),
+                   {"--lpips_path", *temp_dir_ / "distance.pt"});
+  const ProgramResult result = RunProgram(arguments);
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  EXPECT_THAT(result.out, Not(HasSubstr("LPIPS was not measured")));
+  const nlohmann::json json = ReadJson(path);
+  const auto& held_out = json["held_out"];
+  // Colours are in [-1, 1] there, so that errors count twice.
+  const double psnr = held_out["psnr"];
+  const double root_mean_square = 2 * std::pow(10, -psnr / 20);
+  EXPECT_GT(held_out["lpips"], 0.2 * root_mean_square);
+  EXPECT_LT(held_out["lpips"], 1.5 * root_mean_square);
 }
 
 TEST_F(EvalTest, ImagesThatTheModelNeverSawAreMatchedByTheirPoses) {
