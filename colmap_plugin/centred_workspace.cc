@@ -2,8 +2,8 @@
 
 #include "colmap_plugin/colmap_compat.h"
 #include "colmap_plugin/input_check.h"
+#include "nerf/util/median.h"
 
-#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <numeric>
@@ -37,11 +37,9 @@ Eigen::Vector3d FindOffset(const colmap::Reconstruction& reconstruction) {
   if (distances.empty()) {
     return Eigen::Vector3d::Zero();
   }
-  const auto middle =
-      distances.begin() + static_cast<ptrdiff_t>(distances.size() / 2);
-  std::nth_element(distances.begin(), middle, distances.end());
-  return center.norm() > kMaxDistance * *middle ? center
-                                                : Eigen::Vector3d::Zero();
+  return center.norm() > kMaxDistance * Median(&distances)
+             ? center
+             : Eigen::Vector3d::Zero();
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "nerf/extract/consistency.h"
 
+#include "nerf/util/median.h"
 #include "nerf/view_selection.h"
 
 #include <algorithm>
@@ -210,10 +211,8 @@ ExtractionOptions FitToScene(const ExtractionOptions& options,
     }
   }
   if (!angles.empty()) {
-    const auto median = angles.begin() + angles.size() / 2;
-    std::nth_element(angles.begin(), median, angles.end());
     fitted.min_triangulation_angle =
-        std::min(options.min_triangulation_angle, 0.5 * *median);
+        std::min(options.min_triangulation_angle, 0.5 * Median(&angles));
   }
   return fitted;
 }

@@ -3,6 +3,7 @@
 #include "nerf/planes/plane_fit.h"
 #include "nerf/planes/segment_anchors.h"
 #include "nerf/planes/view_projection.h"
+#include "nerf/util/median.h"
 #include "nerf/util/random.h"
 
 #include <algorithm>
@@ -216,10 +217,9 @@ bool HypothesisFinder::CompareColors(const Segment& segment,
   if (excess > kMaxColorExcess) {
     return false;
   }
-  std::nth_element(rhos.begin(), rhos.begin() + count / 2, rhos.end());
   // The farther of two equally possible planes: what is nearer and belongs to
   // something in front would be explained by that.
-  candidate->key = -std::log(rhos[count / 2]) +
+  candidate->key = -std::log(static_cast<float>(Median(&rhos))) +
                    kSupportWeight * candidate->plane.support -
                    kColorWeight * excess;
   return true;

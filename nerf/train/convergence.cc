@@ -1,5 +1,7 @@
 #include "nerf/train/convergence.h"
 
+#include "nerf/util/median.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -18,12 +20,7 @@ double MedianChange(const std::vector<float>& depths,
                           ? change
                           : std::numeric_limits<float>::infinity());
   }
-  if (changes.empty()) {
-    return 0;
-  }
-  const auto median = changes.begin() + changes.size() / 2;
-  std::nth_element(changes.begin(), median, changes.end());
-  return *median;
+  return Median(&changes);
 }
 
 }  // namespace

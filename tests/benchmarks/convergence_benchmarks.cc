@@ -1,10 +1,13 @@
 #include "nerf/engine/tile_sampling.h"
+#include "nerf/util/median.h"
 #include "tests/benchmarks/engine_benchmarks.h"
 #include "tests/benchmarks/sphere_room.h"
 #include "tests/benchmarks/trained_room.h"
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <utility>
 
 #include <benchmark/benchmark.h>
 
@@ -15,12 +18,6 @@ constexpr int kNumRays = 1024;
 
 // The unit box in centimetres, for a room of six metres.
 constexpr double kBoxSize = 600;
-
-double Median(std::vector<double>* values) {
-  const auto middle = values->begin() + values->size() / 2;
-  std::nth_element(values->begin(), middle, values->end());
-  return *middle;
-}
 
 // Lengths of the intervals that the wall lies in.
 double SpacingAtWall(const RaySamplingParameters& sampling,
@@ -86,11 +83,20 @@ void Converge(benchmark::State& state,
 }  // namespace
 
 void RegisterConvergenceBenchmarks() {
-  for (const int num_steps : {1, 50, 150, 300, 600}) {
-    const EngineOptions options = PresetEngineOptions("medium", 2);
+  const std::pair<std::string, int> kRuns[] = {{"medium", 1},
+                                               {"medium", 50},
+                                               {"medium", 150},
+                                               {"medium", 300},
+                                               {"medium", 600},
+                                               {"medium", 1500},
+                                               {"high", 6000}};
+  for (const auto& [quality, num_steps] : kRuns) {
+    const EngineOptions options = PresetEngineOptions(quality, 2);
     benchmark::RegisterBenchmark(
-        ("converge/steps:" + std::to_string(num_steps)).c_str(),
-        [=](benchmark::State& state) { Converge(state, options, num_steps); })
+        ("converge/" + quality + "/steps:" + std::to_string(num_steps)).c_str(),
+        [options, num_steps = num_steps](benchmark::State& state) {
+          Converge(state, options, num_steps);
+        })
         ->Unit(benchmark::kMillisecond)
         ->Iterations(1)
         ->UseRealTime();

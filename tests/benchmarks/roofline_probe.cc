@@ -1,9 +1,9 @@
 #include "tests/benchmarks/roofline_probe.h"
 
 #include "nerf/util/aligned_buffer.h"
+#include "nerf/util/median.h"
 #include "tests/benchmarks/cpu_time.h"
 
-#include <algorithm>
 #include <cstdint>
 #include <thread>
 #include <vector>
@@ -82,9 +82,7 @@ double MedianRate(const int num_threads, const Work& work) {
     }
     rates.insert(rates.end(), thread_rates.begin(), thread_rates.end());
   }
-  std::nth_element(
-      rates.begin(), rates.begin() + rates.size() / 2, rates.end());
-  return rates[rates.size() / 2];
+  return Median(&rates);
 }
 
 // Keeps the compiler from dropping what was computed.

@@ -1,6 +1,7 @@
 // Lenses from fisheye-wide to extreme tele, few and many views, and cameras
 // that stand badly.
 
+#include "nerf/util/median.h"
 #include "tests/nerf/plane_scene.h"
 #include "tests/stability/room_run.h"
 #include "tests/stability/stability_case.h"
@@ -96,7 +97,7 @@ double WallError(const TexturedPlane& plane,
       }
     }
   }
-  return Median(errors);
+  return Median(&errors);
 }
 
 std::string MeasureWall(const TexturedPlane& plane,

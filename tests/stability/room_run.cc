@@ -1,10 +1,10 @@
 #include "tests/stability/room_run.h"
 
+#include "nerf/util/median.h"
 #include "nerf/util/random.h"
 #include "tests/nerf/plane_scene.h"
 #include "tests/stability/stability_case.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace structnerf {
@@ -160,13 +160,6 @@ const RoomRun& OtherSeedRun() {
   return run;
 }
 
-double Median(std::vector<double> values) {
-  const auto middle =
-      values.begin() + static_cast<ptrdiff_t>(values.size()) / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 double MedianError(const std::vector<DenseMaps>& maps,
                    const double world_scale) {
   std::vector<double> errors;
@@ -177,7 +170,7 @@ double MedianError(const std::vector<DenseMaps>& maps,
           std::abs(maps[v].depth[i] / world_scale / Truths()[v].depth[i] - 1));
     }
   }
-  return Median(errors);
+  return Median(&errors);
 }
 
 std::string GuardText(const TrainingSummary& summary) {

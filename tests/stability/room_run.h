@@ -47,7 +47,4 @@ std::string MeasureScene(const Scene& scene,
 // "guards: restored_snapshot 2", or nothing if none acted.
 std::string GuardText(const TrainingSummary& summary);
 
-// The median of numbers; `values` must not be empty.
-double Median(std::vector<double> values);
-
 }  // namespace structnerf

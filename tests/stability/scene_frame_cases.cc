@@ -1,6 +1,7 @@
 // The same room in other units, far from the origin, and turned: the same
 // depths must come out.
 
+#include "nerf/util/median.h"
 #include "tests/stability/room_run.h"
 #include "tests/stability/stability_case.h"
 
@@ -66,7 +67,7 @@ double CloudDifference(const std::vector<DenseMaps>& base_maps,
     }
   }
   RequireStable(!differences.empty(), "no depths at all");
-  return Median(differences);
+  return Median(&differences);
 }
 
 // Without refinement, which chooses between nearly equal matches.
