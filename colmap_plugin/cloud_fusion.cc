@@ -2,12 +2,13 @@
 
 #include "colmap_plugin/centred_workspace.h"
 #include "colmap_plugin/memory_budget.h"
+#include "nerf/util/whole_file.h"
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <stdexcept>
+#include <type_traits>
 
 #include <colmap/util/endian.h>
 #include <colmap/util/ply.h>
@@ -35,75 +36,75 @@ constexpr double kPointsPerPixelGroup = 0.2;
 
 constexpr int kMinFusionImageSize = 320;
 
-void CheckWritten(const std::string& path, const size_t min_bytes) {
-  std::error_code error;
-  const size_t num_bytes = fs::file_size(path, error);
-  if (error || num_bytes < min_bytes) {
-    throw std::runtime_error("The file " + path +
-                             " could not be written; is the disk full?");
+// As colmap::WriteBinaryPlyPoints, which does not notice a full disk, but with
+// positions of any precision; COLMAP reads them all.
+template <typename Position>
+void WritePlyPoints(const std::vector<colmap::PlyPoint>& points,
+                    const Eigen::Vector3d& offset,
+                    std::ostream* stream) {
+  const char* const position_type =
+      std::is_same_v<Position, double> ? "double" : "float";
+  *stream << "ply\nformat binary_little_endian 1.0\nelement vertex "
+          << points.size() << "\n";
+  for (const char* axis : {"x", "y", "z"}) {
+    *stream << "property " << position_type << " " << axis << "\n";
   }
-}
-
-// As colmap::WriteBinaryPlyPoints, but with the positions in double precision,
-// which COLMAP reads as well. Single precision would round points at 1e7 to one
-// unit.
-void WriteFarPlyPoints(const std::string& path,
-                       const std::vector<colmap::PlyPoint>& points,
-                       const Eigen::Vector3d& offset) {
-  std::ofstream file(path, std::ios::binary | std::ios::trunc);
-  file << "ply\nformat binary_little_endian 1.0\nelement vertex "
-       << points.size() << "\n";
-  for (const char* property : {"double x",
-                               "double y",
-                               "double z",
-                               "float nx",
+  for (const char* property : {"float nx",
                                "float ny",
                                "float nz",
                                "uchar red",
                                "uchar green",
                                "uchar blue"}) {
-    file << "property " << property << "\n";
+    *stream << "property " << property << "\n";
   }
-  file << "end_header\n";
+  *stream << "end_header\n";
   for (const colmap::PlyPoint& point : points) {
     const Eigen::Vector3d xyz =
         offset + Eigen::Vector3d(point.x, point.y, point.z);
     for (int axis = 0; axis < 3; ++axis) {
-      colmap::WriteBinaryLittleEndian<double>(&file, xyz[axis]);
+      colmap::WriteBinaryLittleEndian<Position>(
+          stream, static_cast<Position>(xyz[axis]));
     }
     for (const float component : {point.nx, point.ny, point.nz}) {
-      colmap::WriteBinaryLittleEndian<float>(&file, component);
+      colmap::WriteBinaryLittleEndian<float>(stream, component);
     }
     for (const uint8_t channel : {point.r, point.g, point.b}) {
-      colmap::WriteBinaryLittleEndian<uint8_t>(&file, channel);
+      colmap::WriteBinaryLittleEndian<uint8_t>(stream, channel);
     }
   }
 }
 
-// `offset`: what is added to the points.
+// COLMAP's writer does not notice a full disk either, but the size tells.
+void WriteVisibility(const std::string& path,
+                     const std::vector<std::vector<int>>& visibility) {
+  size_t num_bytes = sizeof(uint64_t);
+  for (const auto& image_idxs : visibility) {
+    num_bytes += (1 + image_idxs.size()) * sizeof(uint32_t);
+  }
+  colmap::mvs::WritePointsVisibility(path, visibility);
+  std::error_code error;
+  if (fs::file_size(path, error) != num_bytes || error) {
+    throw std::runtime_error("The file " + path +
+                             " could not be written; is the disk full?");
+  }
+}
+
+// `offset`: what is added to the points. Single precision would round points at
+// 1e7 to one unit.
 void WriteCloud(const std::string& path,
                 const std::vector<colmap::PlyPoint>& points,
                 const std::vector<std::vector<int>>& visibility,
                 const Eigen::Vector3d& offset) {
   const std::string visibility_path = path + ".vis";
-  const std::string partial_path = path + ".partial";
   const std::string partial_visibility_path = visibility_path + ".partial";
-  if (offset.isZero(0)) {
-    colmap::WriteBinaryPlyPoints(partial_path, points);
-  } else {
-    WriteFarPlyPoints(partial_path, points, offset);
-  }
-  colmap::mvs::WritePointsVisibility(partial_visibility_path, visibility);
-
-  // COLMAP's writers do not notice a full disk.
-  constexpr size_t kBytesPerPlyPoint = 6 * sizeof(float) + 3;
-  size_t num_visibility_bytes = sizeof(uint64_t);
-  for (const auto& image_idxs : visibility) {
-    num_visibility_bytes += (1 + image_idxs.size()) * sizeof(uint32_t);
-  }
-  CheckWritten(partial_path, points.size() * kBytesPerPlyPoint);
-  CheckWritten(partial_visibility_path, num_visibility_bytes);
-  fs::rename(partial_path, path);
+  WriteVisibility(partial_visibility_path, visibility);
+  WriteWholeFile(path, [&](std::ostream* stream) {
+    if (offset.isZero(0)) {
+      WritePlyPoints<float>(points, offset, stream);
+    } else {
+      WritePlyPoints<double>(points, offset, stream);
+    }
+  });
   fs::rename(partial_visibility_path, visibility_path);
 }
 

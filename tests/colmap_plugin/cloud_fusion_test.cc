@@ -3,6 +3,7 @@
 #include "colmap_plugin/colmap_compat.h"
 #include "colmap_plugin/input_check.h"
 #include "tests/colmap_plugin/tiny_model.h"
+#include "tests/support/file_size_limit.h"
 #include "tests/support/temp_dir.h"
 
 #include <filesystem>
@@ -70,6 +71,15 @@ class CloudFusionTest : public testing::Test {
   Progress progress_;
 };
 
+// The model of a workspace moved to where geo-referenced ones are.
+void MoveModel(const Eigen::Vector3d& offset, const DenseWorkspace& workspace) {
+  colmap::Reconstruction model = ReadModel(workspace.SparsePath());
+  model.Transform(colmap::Sim3d(1, Eigen::Quaterniond::Identity(), offset));
+  std::filesystem::remove_all(workspace.SparsePath());
+  std::filesystem::create_directories(workspace.SparsePath());
+  model.WriteBinary(workspace.SparsePath());
+}
+
 TEST_F(CloudFusionTest, PointsLieOnThePlaneInModelUnits) {
   const size_t num_points = FuseMaps(
       workspace_, MapType::kGeometric, options_, kNumViews, &progress_);
@@ -116,11 +126,7 @@ TEST_F(CloudFusionTest, FarModelsGiveTheSameCloudFarAway) {
   const size_t num_points = FuseMaps(
       workspace_, MapType::kGeometric, options_, kNumViews, &progress_);
   const Eigen::Vector3d offset(1.2e7, -7e6, 2e5);
-  colmap::Reconstruction model = ReadModel(workspace_.SparsePath());
-  model.Transform(colmap::Sim3d(1, Eigen::Quaterniond::Identity(), offset));
-  std::filesystem::remove_all(workspace_.SparsePath());
-  std::filesystem::create_directories(workspace_.SparsePath());
-  model.WriteBinary(workspace_.SparsePath());
+  MoveModel(offset, workspace_);
 
   // Disparities are half pixels, so that whole columns of 48 pixels at a border
   // may be seen once more or less: two here.
@@ -166,6 +172,25 @@ TEST_F(CloudFusionTest, TooFewViewsGiveAnEmptyCloud) {
           workspace_, MapType::kGeometric, options_, kNumViews, &progress_),
       0);
   EXPECT_THAT(colmap::ReadPly(workspace_.FusedPath()), IsEmpty());
+}
+
+// Not a byte may be missing, near the origin and far from it.
+TEST_F(CloudFusionTest, FullDiskLeavesNoHalfCloud) {
+  for (const double distance : {0.0, 1e7}) {
+    MoveModel({distance, 0, 0}, workspace_);
+    FuseMaps(workspace_, MapType::kGeometric, options_, kNumViews, &progress_);
+    const size_t num_bytes = std::filesystem::file_size(workspace_.FusedPath());
+    std::filesystem::remove(workspace_.FusedPath());
+    const ScopedFileSizeLimit limit(num_bytes - 1);
+    try {
+      FuseMaps(
+          workspace_, MapType::kGeometric, options_, kNumViews, &progress_);
+      ADD_FAILURE();
+    } catch (const std::runtime_error& error) {
+      EXPECT_THAT(error.what(), HasSubstr("fused.ply could not be written"));
+    }
+    EXPECT_FALSE(std::filesystem::exists(workspace_.FusedPath()));
+  }
 }
 
 TEST_F(CloudFusionTest, AbortWritesNothing) {

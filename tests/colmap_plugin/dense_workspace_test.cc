@@ -1,8 +1,8 @@
 #include "colmap_plugin/dense_workspace.h"
 
+#include "tests/support/file_size_limit.h"
 #include "tests/support/temp_dir.h"
 
-#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -13,7 +13,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
 namespace structnerf {
 namespace {
@@ -38,25 +37,6 @@ StereoMaps MakeMaps() {
   }
   return maps;
 }
-
-// Files cannot grow beyond a number of bytes, as if the disk were full.
-class ScopedFileSizeLimit {
- public:
-  explicit ScopedFileSizeLimit(const rlim_t num_bytes)
-      : previous_handler_(std::signal(SIGXFSZ, SIG_IGN)) {
-    getrlimit(RLIMIT_FSIZE, &previous_);
-    const rlimit limit = {num_bytes, previous_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &limit);
-  }
-  ~ScopedFileSizeLimit() {
-    setrlimit(RLIMIT_FSIZE, &previous_);
-    std::signal(SIGXFSZ, previous_handler_);
-  }
-
- private:
-  rlimit previous_;
-  void (*previous_handler_)(int);
-};
 
 template <typename Function>
 std::string ErrorOf(Function function) {
