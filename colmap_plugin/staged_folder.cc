@@ -24,6 +24,9 @@ constexpr char kLockName[] = ".lock";
 // Lists the files that are being moved, while they are.
 constexpr char kCommitName[] = "commit";
 
+// Holds what they replace, until all are moved.
+constexpr char kReplacedName[] = "replaced";
+
 [[noreturn]] void ThrowUnwritable(const std::string& path,
                                   const std::string& reason) {
   throw std::runtime_error("The folder " + path + " cannot be written (" +
@@ -90,16 +93,29 @@ void WriteList(const std::string& path, const std::vector<std::string>& files) {
   fs::rename(path + ".partial", path);
 }
 
+// Also if there is only a link that leads nowhere.
+bool IsTaken(const fs::path& path) {
+  return fs::exists(fs::symlink_status(path));
+}
+
+void MoveFile(const fs::path& from, const fs::path& to) {
+  fs::create_directories(to.parent_path());
+  fs::rename(from, to);
+}
+
 void MoveBack(const fs::path& output_path, const fs::path& path) {
   const fs::path list_path = path / kNotesName / kCommitName;
+  const fs::path replaced_path = path / kNotesName / kReplacedName;
   std::ifstream list(list_path, std::ios::binary);
   for (std::string file; std::getline(list, file, '\0');) {
     if (!IsSafeImageName(file)) {
       continue;  // no list of ours: it must not lead out of the folder
     }
     if (!fs::exists(path / file) && fs::exists(output_path / file)) {
-      fs::create_directories((path / file).parent_path());
-      fs::rename(output_path / file, path / file);
+      MoveFile(output_path / file, path / file);
+    }
+    if (IsTaken(replaced_path / file) && !IsTaken(output_path / file)) {
+      MoveFile(replaced_path / file, output_path / file);
     }
     // The folders that were made for it: an empty one looks like a workspace.
     std::error_code ignored;
@@ -211,13 +227,18 @@ void StagedFolder::Lock() {
 
 void StagedFolder::Commit() {
   const std::string list_path = (fs::path(notes_path_) / kCommitName).string();
+  const fs::path replaced_path = fs::path(notes_path_) / kReplacedName;
   try {
     const std::vector<std::string> files = ListFiles(path_);
+    fs::remove_all(replaced_path);
     WriteList(list_path, files);
     for (const std::string& file : files) {
       const fs::path target = fs::path(output_path_) / file;
-      fs::create_directories(target.parent_path());
-      fs::rename(fs::path(path_) / file, target);
+      // A folder in the way is no result that could be replaced.
+      if (IsTaken(target) && !fs::is_directory(fs::symlink_status(target))) {
+        MoveFile(target, replaced_path / file);
+      }
+      MoveFile(fs::path(path_) / file, target);
     }
     fs::remove(list_path);
   } catch (const fs::filesystem_error& error) {

@@ -13,7 +13,7 @@ namespace structnerf {
 class StagedFolder {
  public:
   // What is called before anything in the output folder is looked at: puts back
-  // what a run that was killed during Commit() had moved already.
+  // what a run that was killed during Commit() had moved or replaced already.
   static void UndoCommit(const std::string& output_path);
 
   // Bytes that a run which was killed has left in the hidden folder.
@@ -46,9 +46,10 @@ class StagedFolder {
   // Leaves the hidden folder for another run.
   void Keep() { kept_ = true; }
 
-  // Moves every file into the output folder, over files of the same name. Does
-  // not move symbolic links. Throws std::runtime_error if a file cannot be
-  // moved; all are in the hidden folder then.
+  // Moves every file into the output folder, in place of files of the same
+  // name. Does not move symbolic links. Throws std::runtime_error if a file
+  // cannot be moved; all are in the hidden folder then, and those that were
+  // replaced are back.
   void Commit();
 
  private:

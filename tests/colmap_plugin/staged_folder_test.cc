@@ -127,9 +127,9 @@ TEST(StagedFolder, ClearsAllButTheFolders) {
 }
 
 // Every moment at which a run can be killed while it moves its files: so many
-// are moved, the next is not.
+// renames are done, the next is not. Two of the three files replace old ones.
 TEST(StagedFolder, UndoesACommitThatWasKilled) {
-  for (int num_moved = 0; num_moved <= 3; ++num_moved) {
+  for (int num_renames = 0; num_renames <= 5; ++num_renames) {
     const TempDir temp_dir;
     const std::string output = temp_dir / "out";
     const std::vector<std::string> names = {"a.bin", "deep/er/b.bin", "c.bin"};
@@ -138,9 +138,17 @@ TEST(StagedFolder, UndoesACommitThatWasKilled) {
       StagedFolder folder(output, /*resume=*/true);
       path = folder.Path();
       std::ofstream list(folder.NotesPath() + "/commit", std::ios::binary);
-      for (int i = 0; i < 3; ++i) {
-        WriteText((i < num_moved ? output : path) + "/" + names[i], names[i]);
-        list << names[i] << '\0';
+      int num_left = num_renames;
+      for (const std::string& name : names) {
+        if (name != "c.bin") {
+          const bool is_aside = num_left-- > 0;
+          WriteText((is_aside ? folder.NotesPath() + "/replaced" : output) +
+                        "/" + name,
+                    "old");
+        }
+        const bool is_moved = num_left-- > 0;
+        WriteText((is_moved ? output : path) + "/" + name, name);
+        list << name << '\0';
       }
       folder.Keep();
     }
@@ -148,15 +156,43 @@ TEST(StagedFolder, UndoesACommitThatWasKilled) {
     StagedFolder::UndoCommit(output);
     StagedFolder::UndoCommit(output);
     for (const std::string& name : names) {
-      EXPECT_FALSE(fs::exists(output + "/" + name));
       EXPECT_EQ(ReadText(path + "/" + name), name);
     }
+    EXPECT_EQ(ReadText(output + "/a.bin"), "old");
+    EXPECT_EQ(ReadText(output + "/deep/er/b.bin"), "old");
+    EXPECT_FALSE(fs::exists(output + "/c.bin"));
     EXPECT_EQ(ReadText(output + "/mine.txt"), "mine");
-    EXPECT_FALSE(fs::exists(output + "/deep"));
     StagedFolder folder(output, /*resume=*/true);
     folder.Commit();
     EXPECT_EQ(ReadText(output + "/deep/er/b.bin"), "deep/er/b.bin");
   }
+}
+
+TEST(StagedFolder, UndoingRemovesFoldersThatWereMade) {
+  const TempDir temp_dir;
+  const std::string output = temp_dir / "out";
+  {
+    StagedFolder folder(output, /*resume=*/true);
+    std::ofstream(folder.NotesPath() + "/commit", std::ios::binary)
+        << "deep/er/b.bin" << '\0';
+    WriteText(output + "/deep/er/b.bin", "b");
+    folder.Keep();
+  }
+  StagedFolder::UndoCommit(output);
+  EXPECT_FALSE(fs::exists(output + "/deep"));
+}
+
+// What a run that was killed has replaced is no business of the next.
+TEST(StagedFolder, UndoingBringsBackNoOlderFiles) {
+  const TempDir temp_dir;
+  const std::string output = temp_dir / "out";
+  WriteText(output + "/b.bin/file", "in the way");
+  StagedFolder folder(output, /*resume=*/true);
+  WriteText(folder.NotesPath() + "/replaced/a.bin", "older");
+  WriteText(folder.Path() + "/a.bin", "a");
+  WriteText(folder.Path() + "/b.bin", "b");
+  EXPECT_THROW(folder.Commit(), std::runtime_error);
+  EXPECT_FALSE(fs::exists(output + "/a.bin"));
 }
 
 // Not even if somebody else has written the list.
@@ -168,29 +204,42 @@ TEST(StagedFolder, UndoingMovesNothingFromOutside) {
   {
     StagedFolder folder(output, /*resume=*/true);
     std::ofstream(folder.NotesPath() + "/commit", std::ios::binary)
-        << "../../precious" << '\0' << temp_dir / "empty/file" << '\0';
+        << "../../precious" << '\0' << temp_dir / "empty/file" << '\0'
+        << "../stray" << '\0';
+    // Where a replaced file of that name would be.
+    WriteText(folder.NotesPath() + "/stray", "stray");
     folder.Keep();
   }
   StagedFolder::UndoCommit(output);
   EXPECT_EQ(ReadText(temp_dir / "precious"), "precious");
   EXPECT_TRUE(fs::exists(temp_dir / "empty"));
   EXPECT_FALSE(fs::exists(temp_dir / "in/precious"));
+  EXPECT_FALSE(fs::exists(temp_dir / "in/stray"));
 }
 
-// The second file cannot be moved to where a folder is.
+// One file cannot be moved to where a folder is; whichever the order, files
+// before it replace old ones.
 TEST(StagedFolder, ACommitThatFailsIsUndone) {
-  const TempDir temp_dir;
-  const std::string output = temp_dir / "out";
-  WriteText(output + "/b.bin/file", "in the way");
-  StagedFolder folder(output, /*resume=*/true);
-  for (const char* name : {"a.bin", "b.bin", "c.bin"}) {
-    WriteText(folder.Path() + "/" + name, name);
+  const std::vector<std::string> names = {"a.bin", "b.bin", "c.bin"};
+  for (const std::string& blocked : names) {
+    const TempDir temp_dir;
+    const std::string output = temp_dir / "out";
+    for (const std::string& name : names) {
+      WriteText(output + "/" + name + (name == blocked ? "/file" : ""), "old");
+    }
+    StagedFolder folder(output, /*resume=*/true);
+    for (const std::string& name : names) {
+      WriteText(folder.Path() + "/" + name, name);
+    }
+    EXPECT_THROW(folder.Commit(), std::runtime_error);
+    for (const std::string& name : names) {
+      EXPECT_EQ(ReadText(folder.Path() + "/" + name), name);
+      EXPECT_EQ(
+          ReadText(output + "/" + name + (name == blocked ? "/file" : "")),
+          "old");
+    }
+    EXPECT_EQ(std::distance(fs::directory_iterator(output), {}), 4);
   }
-  EXPECT_THROW(folder.Commit(), std::runtime_error);
-  for (const char* name : {"a.bin", "b.bin", "c.bin"}) {
-    EXPECT_EQ(ReadText(folder.Path() + "/" + name), name);
-  }
-  EXPECT_EQ(std::distance(fs::directory_iterator(output), {}), 2);
 }
 
 TEST(StagedFolder, ACommitInProgressIsNotUndone) {

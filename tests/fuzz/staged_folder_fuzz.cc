@@ -1,5 +1,6 @@
 // The list of files that a run was moving when it was killed, with any bytes in
-// it: what lies outside of the output folder must stay as it is.
+// it: what lies outside of the output folder must stay as it is, and what was
+// replaced must not be lost.
 
 #include "colmap_plugin/staged_folder.h"
 #include "tests/fuzz/fuzz_target.h"
@@ -16,6 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr char kHiddenName[] = "in/out/.structnerf-partial";
+constexpr char kReplaced[] = "replaced";
 
 const TempDir& Folder() {
   static const TempDir folder;
@@ -42,11 +44,22 @@ std::set<std::string> ListOutside() {
   return paths;
 }
 
+// Wherever they are now.
+int CountReplaced() {
+  int count = 0;
+  for (const auto& entry :
+       fs::recursive_directory_iterator(Folder() / "in/out")) {
+    count += entry.is_regular_file() &&
+             ReadFuzzFile(entry.path().string()) == kReplaced;
+  }
+  return count;
+}
+
 }  // namespace
 
 std::vector<std::string> FuzzSeeds() {
   const std::string zero(1, '\0');
-  return {"a" + zero + "deep/er/b" + zero,
+  return {"a" + zero + "deep/er/b" + zero + "c" + zero,
           "../../a" + zero + "../a" + zero + "deep/../../../empty/c" + zero,
           (Folder() / "a") + zero + (Folder() / "empty/c") + zero,
           "./" + zero + "/" + zero + zero + "a"};
@@ -63,12 +76,16 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, const size_t size) {
   WriteText(Folder() / "in/out/a", "moved");
   WriteText(Folder() / "in/out/deep/er/b", "moved");
   const std::string hidden = Folder() / kHiddenName;
-  fs::create_directories(hidden + "/.resume");
+  WriteText(hidden + "/.resume/replaced/deep/er/b", kReplaced);
+  WriteText(hidden + "/.resume/replaced/c", kReplaced);
   WriteFuzzFile(hidden + "/.resume/commit", data, size);
   const std::set<std::string> before = ListOutside();
   try {
     StagedFolder::UndoCommit(Folder() / "in/out");
   } catch (const std::exception&) {
+  }
+  if (CountReplaced() != 2) {
+    FuzzFault("undoing has lost a file that was replaced");
   }
   if (ListOutside() != before || ReadFuzzFile(Folder() / "a") != "outside" ||
       ReadFuzzFile(Folder() / "in/a") != "outside") {
