@@ -1,6 +1,7 @@
 #include "colmap_plugin/masks.h"
 
 #include "colmap_plugin/colmap_compat.h"
+#include "colmap_plugin/png_file.h"
 
 #include <filesystem>
 #include <stdexcept>
@@ -23,27 +24,19 @@ cv::Mat Binarize(const cv::Mat& mask, const double threshold) {
   return binary;
 }
 
+// Empty if there is no whole image.
 cv::Mat ReadGrey(const std::string& path) {
-  const cv::Mat mask =
-      cv::imread(path, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
-  if (mask.empty()) {
-    throw std::runtime_error("The mask " + path +
-                             " cannot be read; it must be a PNG image.");
-  }
-  return mask;
-}
-
-void WriteGrey(const std::string& path, const cv::Mat& mask) {
-  if (!cv::imwrite(path, mask)) {
-    throw std::runtime_error("The mask " + path +
-                             " could not be written; is the disk full?");
-  }
+  return cv::imread(path, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
 }
 
 cv::Mat ReadCheckedMask(const std::string& path,
                         const int width,
                         const int height) {
   const cv::Mat mask = ReadGrey(path);
+  if (mask.empty()) {
+    throw std::runtime_error("The mask " + path +
+                             " cannot be read; it must be a PNG image.");
+  }
   if (mask.cols != width || mask.rows != height) {
     throw std::runtime_error(
         "The mask " + path + " is " + std::to_string(mask.cols) + "x" +
@@ -86,7 +79,7 @@ void UndistortMasks(const colmap::Reconstruction& reconstruction,
     }
     const std::string output = MaskPath(output_path, image.Name());
     fs::create_directories(fs::path(output).parent_path());
-    WriteGrey(output, ReadCheckedMask(input, camera.width, camera.height));
+    WritePng(output, ReadCheckedMask(input, camera.width, camera.height));
     if (camera.IsUndistorted()) {
       continue;
     }
@@ -99,9 +92,15 @@ void UndistortMasks(const colmap::Reconstruction& reconstruction,
     }
     colmap::UndistortImage(
         options, bitmap, camera, &undistorted_bitmap, &undistorted_camera);
-    undistorted_bitmap.Write(output);
+    // COLMAP does not always notice a full disk, but then nothing is read back.
+    const bool is_written = undistorted_bitmap.Write(output);
+    const cv::Mat undistorted = ReadGrey(output);
+    if (!is_written || undistorted.empty()) {
+      throw std::runtime_error("The file " + output +
+                               " could not be written; is the disk full?");
+    }
     // Interpolation has blurred the border: half and more counts as "use".
-    WriteGrey(output, Binarize(ReadGrey(output), 127));
+    WritePng(output, Binarize(undistorted, 127));
   }
 }
 

@@ -1,13 +1,12 @@
 #include "colmap_plugin/rendering/frame_writer.h"
 
 #include "colmap_plugin/evaluation/map_pictures.h"
+#include "colmap_plugin/png_file.h"
 
 #include <cmath>
 #include <filesystem>
 #include <limits>
-#include <stdexcept>
 
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 namespace structnerf {
@@ -15,19 +14,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void WritePng(const fs::path& path, const cv::Mat& image) {
-  std::error_code error;
-  fs::create_directories(path.parent_path(), error);
-  bool written = false;
-  try {
-    written = cv::imwrite(path.string(), image);
-  } catch (const cv::Exception&) {
-    // As if it had returned false.
-  }
-  if (!written) {
-    throw std::runtime_error("The file " + path.string() +
-                             " could not be written; is the disk full?");
-  }
+void WriteImage(const fs::path& path, const cv::Mat& image) {
+  // WritePng names the file where there is no folder for it.
+  std::error_code ignored;
+  fs::create_directories(path.parent_path(), ignored);
+  WritePng(path.string(), image);
 }
 
 cv::Mat ColorImage(const RenderedView& view) {
@@ -62,13 +53,13 @@ size_t WriteFrame(const RenderedView& view,
 
   const fs::path path(folder);
   const std::string file_name = name + ".png";
-  WritePng(path / "color" / file_name, ColorImage(view));
-  WritePng(path / "depth" / file_name, depth_levels);
-  WritePng(path / "depth_color" / file_name,
-           DepthPicture(
-               DepthOf(view), options.nearest_depth, options.farthest_depth));
-  WritePng(path / "normal" / file_name,
-           NormalPicture(view.normal, view.width, view.height));
+  WriteImage(path / "color" / file_name, ColorImage(view));
+  WriteImage(path / "depth" / file_name, depth_levels);
+  WriteImage(path / "depth_color" / file_name,
+             DepthPicture(
+                 DepthOf(view), options.nearest_depth, options.farthest_depth));
+  WriteImage(path / "normal" / file_name,
+             NormalPicture(view.normal, view.width, view.height));
   return cv::countNonZero(too_deep);
 }
 

@@ -3,13 +3,13 @@
 #include "colmap_plugin/evaluation/html_page.h"
 #include "colmap_plugin/evaluation/map_pictures.h"
 #include "colmap_plugin/memory_budget.h"
+#include "colmap_plugin/png_file.h"
 #include "colmap_plugin/terminal_progress.h"
 #include "colmap_plugin/text_output.h"
 #include "colmap_plugin/tradeoff/tradeoff_plot.h"
 
 #include <algorithm>
 #include <filesystem>
-#include <stdexcept>
 
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -163,11 +163,7 @@ std::string WriteTradeoffReport(const TradeoffScene& scene,
   const std::string advice = TradeoffAdvice(points);
   const cv::Mat3b plot = PlotTradeoff(points, ErrorName(scene));
   const fs::path folder(scene.output_path);
-  const std::string plot_path = (folder / "tradeoff.png").string();
-  if (!cv::imwrite(plot_path, plot)) {
-    throw std::runtime_error("The file " + plot_path +
-                             " cannot be written; is the disk full?");
-  }
+  WritePng((folder / "tradeoff.png").string(), plot);
   WriteTextFile((folder / "tradeoff.json").string(),
                 TradeoffJson(scene, settings, is_on_front, advice));
   WriteTextFile(

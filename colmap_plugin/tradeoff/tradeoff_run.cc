@@ -5,6 +5,7 @@
 #include "colmap_plugin/evaluation/map_pictures.h"
 #include "colmap_plugin/evaluation/workspace_maps.h"
 #include "colmap_plugin/input_check.h"
+#include "colmap_plugin/png_file.h"
 #include "colmap_plugin/text_output.h"
 
 #include <algorithm>
@@ -14,7 +15,6 @@
 #include <vector>
 
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 namespace structnerf {
 namespace {
@@ -91,9 +91,9 @@ void WritePicture(const cv::Mat1f& depth, const std::string& path) {
                ? 1.0f
                : values[static_cast<size_t>(share * (values.size() - 1))];
   };
-  cv::imwrite(path,
-              DepthPicture(
-                  depth, quantile(kClippedShare), quantile(1 - kClippedShare)));
+  WritePng(path,
+           DepthPicture(
+               depth, quantile(kClippedShare), quantile(1 - kClippedShare)));
 }
 
 void Run(const TradeoffScene& scene,

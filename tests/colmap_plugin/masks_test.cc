@@ -2,9 +2,12 @@
 
 #include "colmap_plugin/input_check.h"
 #include "tests/colmap_plugin/tiny_model.h"
+#include "tests/support/file_size_limit.h"
 #include "tests/support/temp_dir.h"
 
+#include <algorithm>
 #include <filesystem>
+#include <string>
 
 #include <colmap/image/undistortion.h>
 
@@ -92,6 +95,32 @@ TEST(Masks, AreUndistortedLikeTheirImages) {
         EXPECT_EQ(mask[row * width + col], x > 45 ? 255 : 0)
             << col << " " << row;
       }
+    }
+  }
+}
+
+// Wherever the file that is being written ends.
+TEST(Masks, FullDiskIsNotTakenForABrokenMask) {
+  const TempDir temp_dir;
+  TinyModel model = MakeTinyModel(2);
+  model.cameras[0] = {"SIMPLE_RADIAL", 64, 48, {60, 32, 24, 0.3}};
+  model.WriteModel(temp_dir / "sparse");
+  const auto reconstruction = ReadModel(temp_dir / "sparse");
+  WriteMask(temp_dir / "masks/0.png.png", 64, 48, 45);
+  UndistortMasks(reconstruction, temp_dir / "masks", temp_dir / "out");
+  const auto num_bytes = [&](const std::string& name) {
+    return std::filesystem::file_size(temp_dir / name);
+  };
+  // What is written besides, between the two, is larger: its border is blurred.
+  const size_t max_bytes =
+      std::max(num_bytes("masks/0.png.png"), num_bytes("out/0.png.png"));
+  for (size_t limit = 0; limit <= max_bytes; limit += 10) {
+    const ScopedFileSizeLimit full_disk(limit);
+    try {
+      UndistortMasks(reconstruction, temp_dir / "masks", temp_dir / "out");
+      ADD_FAILURE() << limit << " bytes";
+    } catch (const std::runtime_error& error) {
+      EXPECT_THAT(error.what(), HasSubstr("out/0.png.png could not be"));
     }
   }
 }
