@@ -16,10 +16,6 @@
 namespace structnerf {
 namespace {
 
-double RelativeError(const double actual, const double expected) {
-  return std::abs(actual - expected) / (1 + std::abs(expected));
-}
-
 std::string MeasureFarTerm() {
   LossError error;
   for (const int blankness : {0, 1, 128, 255}) {
@@ -97,6 +93,43 @@ std::string MeasureSquaredDepth() {
   return Accept(error, 1e-6, 1e-6);
 }
 
+// Light that ends at two places around the depth of a sparse point, or at only
+// one of them.
+std::string MeasureLineOfSight() {
+  LossError error;
+  for (double depth = 1e-15; depth < 1e15; depth *= 1.7) {
+    for (const double ratio : {1e-6, 0.5, 0.999999, 1.0, 1.5, 1e3}) {
+      for (const double share : {0.0, 1e-6, 0.5, 1.0}) {
+        SparseTarget target;
+        target.depth = static_cast<float>(depth);
+        target.weight = 0.1f;
+        const double z[2] = {depth * ratio, depth * 1.1};
+        const double mean = share * z[0] + (1 - share) * z[1];
+        RayOutputs outputs = {};
+        outputs.depth[0] = static_cast<float>(mean);
+        outputs.depth_variance[0] =
+            static_cast<float>(share * (1 - share) * std::pow(z[0] - z[1], 2));
+        RayGradients gradients = {};
+        const double loss =
+            EvaluateLineOfSight(target, outputs, 0, &gradients) / target.weight;
+        const auto squared = [&](const int place) {
+          return std::pow((z[place] - target.depth) / target.depth, 2);
+        };
+        error.value = std::max(
+            error.value,
+            RelativeError(loss, share * squared(0) + (1 - share) * squared(1)));
+        // The derivative by the share of light at one of the places.
+        const double slope =
+            gradients.pull[0] / target.weight *
+            std::pow((z[0] - gradients.pull_z[0]) / gradients.pull_z[0], 2);
+        error.gradient =
+            std::max(error.gradient, RelativeError(slope, squared(0)));
+      }
+    }
+  }
+  return Accept(error, 1e-6, 1e-6);
+}
+
 // Light that ends anywhere, or nowhere near the sparse point.
 std::string MeasureRayTermination() {
   constexpr int kNumSamples = 24;
@@ -147,6 +180,7 @@ std::vector<StabilityCase> DepthLossCases() {
           {"likelihood of depth priors: depths of 1e-8 to 1e3",
            MeasureDepthLikelihood},
           {"squared sparse loss: depths of 1e-8 to 1e15", MeasureSquaredDepth},
+          {"line of sight: depths of 1e-15 to 1e15", MeasureLineOfSight},
           {"ray termination loss: deviations of 1e-9 to 1e9",
            MeasureRayTermination}};
 }

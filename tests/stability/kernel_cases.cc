@@ -10,61 +10,21 @@
 #include "nerf/kernels/half_precision.h"
 #include "nerf/kernels/ray_sampling.h"
 #include "nerf/train/training_guards.h"
-#include "nerf/util/random.h"
 #include "tests/nerf/engine/random_scene.h"
 #include "tests/stability/double_compositing.h"
+#include "tests/stability/simd_extremes.h"
 #include "tests/stability/stability_case.h"
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include <hwy/highway.h>
+#include <hwy/base.h>
 
 namespace structnerf {
 namespace {
-
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr float kLargest = std::numeric_limits<float>::max();
-
-// Calls `run` once per instruction set and returns the largest result.
-double WorstOfTargets(const std::function<double()>& run) {
-  double worst = 0;
-  for (const int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    worst = std::max(worst, run());
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-  return worst;
-}
-
-float Pick(const std::vector<float>& values, Random* random) {
-  return values[random->NextBelow(static_cast<uint32_t>(values.size()))];
-}
-
-std::vector<float> PickMany(const std::vector<float>& values,
-                            const size_t count,
-                            const uint64_t seed) {
-  Random random(seed);
-  std::vector<float> picked(count);
-  for (float& value : picked) {
-    value = Pick(values, &random);
-  }
-  return picked;
-}
-
-void RequireFinite(const std::vector<float>& values, const std::string& what) {
-  for (const float value : values) {
-    RequireStable(std::isfinite(value), what + " is " + ShortNumber(value));
-  }
-}
 
 // Rays of 16 intervals with the given densities (raw) and interval lengths, to
 // be picked from.

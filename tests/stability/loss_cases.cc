@@ -1,19 +1,17 @@
-// Losses between pixels, and those that training adds up, in float against
-// their formulas in double, over all depths that a scene can have.
+// Losses between pixels in float against their formulas in double, over all
+// depths that a scene can have.
 
 #include "nerf/losses/planar_loss.h"
 #include "nerf/losses/triple_product.h"
 #include "nerf/util/random.h"
 #include "tests/nerf/losses/patch_loss_reference.h"
 #include "tests/nerf/losses/patch_scene.h"
-#include "tests/nerf/train/objective_scene.h"
 #include "tests/stability/double_compositing.h"
 #include "tests/stability/loss_error.h"
 #include "tests/stability/stability_case.h"
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,11 +21,12 @@
 namespace structnerf {
 namespace {
 
-std::string MeasurePatchLoss() {
+std::string MeasurePatchLoss(const int radius) {
   TexturedPlane plane;
   const Scene scene = MakeSlantedScene(&plane);
   const PatchSources sources = {{1, 2}, {0, 2}, {0, 1}};
-  const PatchLoss::Options options;
+  PatchLoss::Options options;
+  options.radius = radius;
   LossError error;
   int num_compared = 0;
   int num_apart = 0;
@@ -182,64 +181,6 @@ std::string MeasureTripleProduct() {
   return Accept(error, 1e-4, 1e-4);
 }
 
-// Colour and depth hints, as tiles report them.
-std::string MeasureColorLossAndHints() {
-  ObjectiveScene scene;
-  const TrainingObjective objective = scene.MakeObjective();
-  const auto tile = objective.MakeTileObjective();
-  Random random(3);
-  LossError error;
-  for (double depth = 1e-8; depth < 1e8; depth *= 10) {
-    for (int i = 0; i < 8; ++i) {
-      RayTile rays;
-      tile->DrawRays(0, i, &rays);
-      RayOutputs outputs = {};
-      for (int ray = 0; ray < rays.num_rays; ++ray) {
-        outputs.depth[ray] =
-            static_cast<float>(depth * (0.5 + random.NextFloat()));
-        outputs.depth_variance[ray] = static_cast<float>(depth * depth);
-        for (int c = 0; c < 3; ++c) {
-          outputs.color[c][ray] = random.NextFloat();
-        }
-      }
-      RayGradients gradients;
-      const LossValues losses = tile->Evaluate(outputs, &gradients);
-      double color = 0;
-      double hints = 0;
-      for (int ray = 0; ray < rays.num_rays; ++ray) {
-        const ObjectiveScene::ImagePoint point = scene.Identify(rays, ray);
-        const RgbImage& image = scene.scene.views[point.view_idx].image;
-        const size_t first =
-            3 * (static_cast<size_t>(point.Row()) * image.width + point.Col());
-        for (int c = 0; c < 3; ++c) {
-          const double difference =
-              outputs.color[c][ray] - image.data[first + c] / 255.0;
-          const double weight =
-              scene.loss.color_weight / scene.training.rays_per_step;
-          color += weight * difference * difference;
-          error.gradient = std::max(
-              error.gradient,
-              std::abs(gradients.d_color[c][ray] / weight - 2 * difference));
-        }
-        if (gradients.pull[ray] > 0) {
-          const double z = gradients.pull_z[ray];
-          hints +=
-              gradients.pull[ray] * (std::pow((outputs.depth[ray] - z) / z, 2) +
-                                     outputs.depth_variance[ray] / (z * z));
-        }
-      }
-      const auto compare = [&](const double loss, const double expected) {
-        error.value = std::max(error.value, std::abs(loss / expected - 1));
-      };
-      compare(losses[static_cast<size_t>(LossTerm::kColor)], color);
-      compare(losses[static_cast<size_t>(LossTerm::kSparse)] +
-                  losses[static_cast<size_t>(LossTerm::kPrior)],
-              hints);
-    }
-  }
-  return Accept(error, 1e-5, 1e-5);
-}
-
 // The pull of sparse points and the gradient by depth, through the compositing
 // of a ray.
 std::string MeasurePullThroughCompositing() {
@@ -293,11 +234,12 @@ std::string MeasurePullThroughCompositing() {
 }  // namespace
 
 std::vector<StabilityCase> LossCases() {
-  return {{"patch loss: depths of 1e-6 to 1e12", MeasurePatchLoss},
+  return {{"patch loss: depths of 1e-6 to 1e12",
+           [] { return MeasurePatchLoss(PatchLoss::Options().radius); }},
+          {"patch loss of single pixels: depths of 1e-6 to 1e12",
+           [] { return MeasurePatchLoss(0); }},
           {"planar loss: depths of 1e-20 to 1e20", MeasurePlanarLoss},
           {"triple product: depths of 1e-10 to 1e10", MeasureTripleProduct},
-          {"colour, sparse and prior loss: depths of 1e-8 to 1e8",
-           MeasureColorLossAndHints},
           {"sparse loss through compositing: any density",
            MeasurePullThroughCompositing}};
 }

@@ -2,6 +2,7 @@
 
 #include "tests/stability/stability_case.h"
 
+#include <cmath>
 #include <string>
 
 namespace structnerf {
@@ -26,6 +27,10 @@ inline std::string Accept(const LossError& error,
   RequireStable(error.value <= max_value && error.gradient <= max_gradient,
                 error.Text());
   return error.Text() + more;
+}
+
+inline double RelativeError(const double actual, const double expected) {
+  return std::abs(actual - expected) / (1 + std::abs(expected));
 }
 
 // Numeric derivative.

@@ -29,8 +29,11 @@ int main(int argc, char** argv) {
                             structnerf::ImageCases(),
                             structnerf::SparseModelCases(),
                             structnerf::KernelCases(),
+                            structnerf::GradientKernelCases(),
+                            structnerf::StereoCases(),
                             structnerf::LossCases(),
                             structnerf::DepthLossCases(),
+                            structnerf::ObjectiveCases(),
                             structnerf::TrainingCases(),
 #ifdef STRUCTNERF_PROGRAM
                             structnerf::ProgramCases()

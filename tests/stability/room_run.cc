@@ -1,5 +1,6 @@
 #include "tests/stability/room_run.h"
 
+#include "nerf/engine/torch_factory.h"
 #include "nerf/util/median.h"
 #include "nerf/util/random.h"
 #include "tests/nerf/plane_scene.h"
@@ -132,7 +133,7 @@ ReconstructionOptions StabilityOptions() {
 }
 
 RoomRun RunScene(const Scene& scene, const ReconstructionOptions& options) {
-  Reconstructor reconstructor(scene, options);
+  Reconstructor reconstructor(scene, options, MakeAnyEngine);
   Progress progress;
   reconstructor.Train(&progress);
   RoomRun run;

@@ -120,6 +120,39 @@ std::string MeasureTransformed(const double scale,
   return text;
 }
 
+// NeRF's networks, small, do not see units and places either.
+std::string MeasureTransformedNetworks(const double scale,
+                                       const Eigen::Vector3d& translation,
+                                       const double max_difference) {
+  const Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  const Scene scene = Transformed(scale, rotation, translation);
+  ReconstructionOptions options = FewSteps();
+  options.field.type = "mlp";
+  options.field.mlp_num_layers = 4;
+  options.field.mlp_width = 32;
+  options.sampling.num_fine_samples = 16;
+  options.training.rays_per_step = 128;
+  options.training.network_learning_rate = 5e-3;
+  const double few_steps =
+      CloudDifference(RunScene(StabilityScene(), options).maps,
+                      scene,
+                      RunScene(scene, options).maps,
+                      scale,
+                      rotation,
+                      translation);
+  options.training.num_steps = 60;
+  const RoomRun run = RunScene(scene, options);
+  const double error = MedianError(run.maps, scale);
+  const double base_error =
+      MedianError(RunScene(StabilityScene(), options).maps);
+  const std::string text =
+      "cloud differs by " + ShortNumber(few_steps) +
+      " of depth after 10 steps; error after 60 " + ShortNumber(error) +
+      " %, base " + ShortNumber(base_error) + " %" + GuardText(run.summary);
+  RequireStable(few_steps <= max_difference && error < 2 * base_error, text);
+  return text;
+}
+
 }  // namespace
 
 std::vector<StabilityCase> SceneFrameCases() {
@@ -149,6 +182,10 @@ std::vector<StabilityCase> SceneFrameCases() {
   cases.push_back(
       {"scale 1e-06, offset 10", [=] {
          return MeasureTransformed(1e-6, identity, {10, -7, 0.1}, kSameRun);
+       }});
+  cases.push_back(
+      {"field mlp, scale 1e-06, offset 10", [=] {
+         return MeasureTransformedNetworks(1e-6, {10, -7, 0.1}, kSameRun);
        }});
   int number = 0;
   for (const Eigen::Vector3d& axis : {Eigen::Vector3d(0, 0, 1),

@@ -40,14 +40,17 @@ std::string ShortNumber(double value);
 int RunStabilityCases(const std::vector<StabilityCase>& cases);
 
 // The cases by subject; those of the program only where it is built.
-std::vector<StabilityCase> SceneFrameCases();   // scale, offset, rotation
-std::vector<StabilityCase> CameraCases();       // lenses, numbers, baselines
-std::vector<StabilityCase> ImageCases();        // sizes, plain pixels
-std::vector<StabilityCase> SparseModelCases();  // outliers, errors, gaps
-std::vector<StabilityCase> KernelCases();       // overflow and underflow
-std::vector<StabilityCase> LossCases();         // float against double
-std::vector<StabilityCase> DepthLossCases();    // as above, of single rays
-std::vector<StabilityCase> ProgramCases();      // image files
-std::vector<StabilityCase> TrainingCases();     // rates and schedules
+std::vector<StabilityCase> SceneFrameCases();      // scale, offset, rotation
+std::vector<StabilityCase> CameraCases();          // lenses, numbers, baselines
+std::vector<StabilityCase> ImageCases();           // sizes, plain pixels
+std::vector<StabilityCase> SparseModelCases();     // outliers, errors, gaps
+std::vector<StabilityCase> KernelCases();          // overflow and underflow
+std::vector<StabilityCase> GradientKernelCases();  // as above, backward
+std::vector<StabilityCase> StereoCases();          // matching of windows
+std::vector<StabilityCase> LossCases();            // float against double
+std::vector<StabilityCase> DepthLossCases();       // as above, of single rays
+std::vector<StabilityCase> ObjectiveCases();       // as above, of a tile
+std::vector<StabilityCase> ProgramCases();         // image files
+std::vector<StabilityCase> TrainingCases();        // rates and schedules
 
 }  // namespace structnerf
