@@ -1,13 +1,22 @@
-// The parser of the command line and of project files. Up to the first zero
-// byte the input is the project file, after it arguments, one a line.
+// The parser of the command line and of project files, and of the values of
+// options. Up to the first zero byte the input is the project file, after it
+// arguments, one a line.
 
 #include "colmap_plugin/command_line.h"
+#include "colmap_plugin/command_runner.h"
+#include "colmap_plugin/option_table.h"
 #include "tests/fuzz/fuzz_target.h"
+#include "tests/fuzz/option_ranges.h"
 #include "tests/support/temp_dir.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <exception>
 #include <sstream>
+
+#include <fcntl.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 namespace structnerf {
 namespace {
@@ -15,6 +24,51 @@ namespace {
 const TempDir& Folder() {
   static const TempDir folder;
   return folder;
+}
+
+// As structnerf_dense does with what was expanded.
+void ParseValues(const std::vector<std::string>& args) {
+  StructNerfOptions options;
+  std::string path;
+  const std::vector<OptionEntry> table = MakeOptionTable(&options);
+  colmap::OptionManager manager;
+  for (const char* name : {"image_path", "output_path", "mask_path"}) {
+    manager.AddDefaultOption(name, &path, "");
+  }
+  manager.AddDefaultOption("overwrite", &options.overwrite, "");
+  AddOptions(table, &manager);
+  manager.AddStereoFusionOptions();
+  if (!ParseArguments(args, &manager)) {
+    return;
+  }
+  try {
+    CheckOptions(options);
+  } catch (const std::runtime_error&) {
+    return;
+  }
+  RequireOptionsInRange(table);
+}
+
+// COLMAP ends the process (before 3.13) over what it does not understand, so
+// that takes a process of its own.
+void ParseValuesApart(const std::vector<std::string>& args) {
+  const pid_t child = fork();
+  if (child == 0) {
+    // Without what the parent still needs at its end.
+    std::atexit([] { _exit(EXIT_SUCCESS); });
+    dup2(open("/dev/null", O_WRONLY), STDOUT_FILENO);
+    dup2(open("/dev/null", O_WRONLY), STDERR_FILENO);
+    ParseValues(args);
+    _exit(EXIT_SUCCESS);
+  }
+  int status = 0;
+  if (child < 0 || waitpid(child, &status, 0) != child) {
+    FuzzFault("the test's own process cannot be made");
+  }
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != EXIT_SUCCESS) {
+    FuzzFault("the values of options end the program with status " +
+              std::to_string(status));
+  }
 }
 
 }  // namespace
@@ -27,7 +81,10 @@ std::vector<std::string> FuzzSeeds() {
       "log_to_stderr=false\n[Mapper]\nba_refine=1\n# comment\n[StereoFusion]\n"
       "min_num_pixels=3\n" +
           zero + "--overwrite\n1\n--StructNeRF.print_options\n-h",
-      zero + "--mask_path\n--output_path=\n--\n-x\n="};
+      zero + "--mask_path\n--output_path=\n--\n-x\n=",
+      "[StructNeRF]\nmax_minutes=0.5\ninput_type=photometric\n" + zero +
+          "--StructNeRF.patch_weight\n1e-2\n--StructNeRF.num_threads=2\n"
+          "--StructNeRF.resume=1\n--StereoFusion.max_reproj_error=1.5"};
 }
 
 }  // namespace structnerf
@@ -57,6 +114,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, const size_t size) {
       FuzzFault("what was expanded is not what COLMAP understands");
     }
     FindOption(expanded, "StructNeRF.quality", "medium");
+    ParseValuesApart(expanded);
   } catch (const std::exception&) {
   }
   return 0;
