@@ -1,9 +1,10 @@
 #include "colmap_plugin/memory_budget.h"
 
 #include <algorithm>
+#include <charconv>
 #include <fstream>
 #include <limits>
-#include <string>
+#include <system_error>
 #include <thread>
 
 #include <malloc.h>
@@ -13,20 +14,6 @@
 
 namespace structnerf {
 namespace {
-
-// Control groups version 2 and 1 as a container sees them. "max", or a number
-// beyond the installed memory, means no limit.
-size_t ControlGroupLimit() {
-  size_t limit = std::numeric_limits<size_t>::max();
-  for (const char* path : {"/sys/fs/cgroup/memory.max",
-                           "/sys/fs/cgroup/memory/memory.limit_in_bytes"}) {
-    size_t value = 0;
-    if (std::ifstream(path) >> value && value > 0) {
-      limit = std::min(limit, value);
-    }
-  }
-  return limit;
-}
 
 // Address space that a thread takes before it has done anything: its stack, and
 // what the C library sets aside for its allocations.
@@ -69,10 +56,26 @@ size_t AddressSpaceLimit() {
 
 }  // namespace
 
+size_t ControlGroupLimit(const std::string& folder) {
+  size_t limit = std::numeric_limits<size_t>::max();
+  // Version 2, then version 1.
+  for (const char* name : {"/memory.max", "/memory/memory.limit_in_bytes"}) {
+    std::string text;
+    std::ifstream(folder + name) >> text;
+    size_t value = 0;
+    const char* const end = text.data() + text.size();
+    const auto [rest, error] = std::from_chars(text.data(), end, value);
+    if (error == std::errc() && rest == end && value > 0) {
+      limit = std::min(limit, value);
+    }
+  }
+  return limit;
+}
+
 size_t AvailableMemory() {
   const size_t physical = static_cast<size_t>(sysconf(_SC_PHYS_PAGES)) *
                           static_cast<size_t>(sysconf(_SC_PAGESIZE));
-  return std::min(physical, ControlGroupLimit());
+  return std::min(physical, ControlGroupLimit("/sys/fs/cgroup"));
 }
 
 size_t MemoryLimit(const double max_memory_gb) {

@@ -1,10 +1,16 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 
 namespace structnerf {
 
 constexpr double kBytesPerGb = 1024.0 * 1024.0 * 1024.0;
+
+// What control groups, version 2 or 1, leave a container that sees them in
+// `folder`, in bytes. The largest number there is if they set no limit ("max")
+// or are not understood.
+size_t ControlGroupLimit(const std::string& folder);
 
 // Memory in bytes that processes here can have: what is installed, or the
 // limit of the control group (container) if that is smaller.
