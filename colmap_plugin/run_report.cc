@@ -138,6 +138,17 @@ json TrainingJson(const TrainingSummary& training) {
           {"guards", training.guard_counts}};
 }
 
+// "skipped_steps 2"; empty if none has acted.
+std::string ActedGuards(const TrainingSummary& training) {
+  std::string text;
+  for (const auto& [name, count] : training.guard_counts) {
+    if (count > 0) {
+      text += (text.empty() ? "" : ", ") + name + " " + std::to_string(count);
+    }
+  }
+  return text;
+}
+
 double Percent(const size_t part, const size_t whole) {
   return whole > 0 ? 100.0 * part / whole : 0.0;
 }
@@ -227,7 +238,12 @@ std::string ReportText(const RunReport& report) {
   if (report.training.held_out_psnr >= 0) {
     AppendF(&text, ", held-out PSNR %.2f dB", report.training.held_out_psnr);
   }
-  AppendF(&text, "\nTime              %.1f s:", totals.seconds);
+  text += "\n";
+  const std::string guards = ActedGuards(report.training);
+  if (!guards.empty()) {
+    text += "Guards that acted " + guards + "\n";
+  }
+  AppendF(&text, "Time              %.1f s:", totals.seconds);
   for (const StageReport& stage : report.stages) {
     AppendF(&text, " %s %.1f s;", stage.name.c_str(), stage.seconds);
   }

@@ -34,7 +34,8 @@ RunReport MakeReport() {
   report.training.num_steps = 7;
   report.training.seconds = 2;
   report.training.num_samples = 3000000;
-  report.training.guard_counts = {{"skipped_steps", 2}};
+  report.training.guard_counts = {
+      {"dead_fields", 0}, {"restored_snapshots", 1}, {"skipped_steps", 2}};
   report.views = {{"a.png", 10, 20, 100, 60, {}}, {"b.png", 10, 20, 50, 0, {}}};
   report.fusion_min_num_pixels = 2;
   report.num_fused_points = 123;
@@ -84,6 +85,15 @@ TEST(RunReport, TextIsAboutWhatPeopleAsk) {
   EXPECT_THAT(text, HasSubstr("1.00 GB (expected 2.00 GB, limit 4.00 GB)"));
   EXPECT_THAT(text, HasSubstr("View b.png has no sparse points."));
   EXPECT_THAT(text, HasSubstr("DENSE"));
+}
+
+TEST(RunReport, TextNamesGuardsThatActed) {
+  RunReport report = MakeReport();
+  EXPECT_THAT(
+      ReportText(report),
+      HasSubstr("\nGuards that acted restored_snapshots 1, skipped_steps 2\n"));
+  report.training.guard_counts = {{"dead_fields", 0}};
+  EXPECT_THAT(ReportText(report), Not(HasSubstr("Guards")));
 }
 
 TEST(RunReport, TextOfAnEmptyRunHasNoNonsense) {

@@ -170,6 +170,22 @@ TEST_F(RoomTest, TellsAPersonWhatHappens) {
   EXPECT_THAT(result_.out, HasSubstr("Peak memory"));
 }
 
+// That nothing had to be guarded against is worth knowing, too.
+TEST_F(RoomTest, ReportCountsGuards) {
+  std::ifstream file(Dense() + "/structnerf/report.json");
+  const nlohmann::json report = nlohmann::json::parse(file);
+  const nlohmann::json& guards = report["training"]["guards"];
+  for (const char* name : {"non_finite_gradient",
+                           "non_finite_loss",
+                           "restored_snapshot",
+                           "restarted_dead_field",
+                           "step_without_valid_patch",
+                           "view_without_points"}) {
+    ASSERT_TRUE(guards.contains(name)) << name;
+    EXPECT_EQ(guards[name], 0) << name;
+  }
+}
+
 TEST_F(RoomTest, DepthAndNormalsAreThoseOfTheRoom) {
   size_t num_pixels = 0;
   size_t num_photometric = 0;
