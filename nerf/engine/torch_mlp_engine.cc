@@ -9,6 +9,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include <ATen/Parallel.h>
 #include <torch/torch.h>
 
 namespace structnerf {
@@ -48,6 +49,9 @@ class TorchMlpEngine : public RenderEngine {
                                                    : torch::kFloat) {
     const Eigen::Vector3f& extent = options.extent;
     extent_ = MakeTensor({extent.x(), extent.y(), extent.z()}, type_);
+    if (options.num_threads > 0) {
+      at::set_num_threads(options.num_threads);
+    }
     Restart(options.seed);
   }
 

@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include <ATen/Parallel.h>
 #include <gtest/gtest.h>
 
 namespace structnerf {
@@ -168,6 +169,17 @@ class RedWall : public TileObjective {
     return losses;
   }
 };
+
+TEST(TorchMlpEngine, RunsOnAsManyThreadsAsTold) {
+  const int num_threads = at::get_num_threads();
+  EngineOptions options = MakeOptions(4);
+  options.num_threads = num_threads + 1;
+  MakeTorchMlpEngine(options, TorchPrecision::kFloat);
+  EXPECT_EQ(at::get_num_threads(), num_threads + 1);
+  options.num_threads = num_threads;
+  MakeTorchMlpEngine(options, TorchPrecision::kFloat);
+  EXPECT_EQ(at::get_num_threads(), num_threads);
+}
 
 TEST(TorchMlpEngine, Learns) {
   const auto engine =
