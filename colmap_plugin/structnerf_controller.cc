@@ -371,7 +371,7 @@ void StructNerfController::CompletePlanes() {
   BeginStage("Completing planes");
   depth_maps_ = std::make_unique<DepthMapCache>(
       workspace_.get(), image_names_, memory_plan_.depth_map_bytes);
-  reconstructor_->FindPlanes();
+  reconstructor_->FindPlanes(progress_.get());
   for (size_t i = 0; i < image_names_.size(); ++i) {
     const std::string& name = image_names_[i];
     DenseMaps completed = workspace_->ReadMatchedMaps(name);

@@ -269,9 +269,9 @@ void Reconstructor::AddMaps(const size_t view_idx, const DenseMaps& maps) {
   }
 }
 
-void Reconstructor::FindPlanes() {
+void Reconstructor::FindPlanes(Progress* progress) {
   if (impl_->plane_completion) {
-    impl_->plane_completion->FindPlanes(impl_->pool.get());
+    impl_->plane_completion->FindPlanes(impl_->pool.get(), progress);
   }
 }
 

@@ -84,7 +84,7 @@ class Reconstructor {
   // then CompletePlanes for the maps of each. The latter returns how many
   // pixels it changed.
   void AddMaps(size_t view_idx, const DenseMaps& maps);
-  void FindPlanes();
+  void FindPlanes(Progress* progress);
   size_t CompletePlanes(size_t view_idx, DenseMaps* maps) const;
 
   // Source views chosen for each view, best first (indices into the views).

@@ -25,6 +25,21 @@ constexpr float kConfirmTolerance = 0.01f;
 constexpr int kNormalsPerView = 2000;
 constexpr float kMinDominantShare = 0.05f;
 
+// Calls body(view_idx) for all views; may pause or throw Aborted in
+// between.
+template <typename Body>
+void ForEachView(const size_t num_views,
+                 ThreadPool* pool,
+                 Progress* progress,
+                 const Body& body) {
+  const size_t batch = pool->NumThreads();
+  for (size_t begin = 0; begin < num_views; begin += batch) {
+    PauseOrAbort(progress);
+    pool->ParallelFor(std::min(batch, num_views - begin),
+                      [&](const size_t item, int) { body(begin + item); });
+  }
+}
+
 }  // namespace
 
 PlaneCompletion::PlaneCompletion(const Scene& scene,
@@ -125,9 +140,10 @@ std::vector<ViewWarp> PlaneCompletion::MakeWarps(const int view_idx) const {
   return warps;
 }
 
-void PlaneCompletion::ConfirmReliablePixels(ThreadPool* pool) {
+void PlaneCompletion::ConfirmReliablePixels(ThreadPool* pool,
+                                            Progress* progress) {
   std::vector<std::vector<uint8_t>> confirmed(plane_views_.size());
-  pool->ParallelFor(plane_views_.size(), [&](const size_t v, int) {
+  ForEachView(plane_views_.size(), pool, progress, [&](const size_t v) {
     const PlaneView& view = plane_views_[v];
     const std::vector<ViewWarp> warps = MakeWarps(static_cast<int>(v));
     confirmed[v] = view.is_reliable;
@@ -165,8 +181,8 @@ void PlaneCompletion::ConfirmReliablePixels(ThreadPool* pool) {
   }
 }
 
-void PlaneCompletion::FindPlanes(ThreadPool* pool) {
-  ConfirmReliablePixels(pool);
+void PlaneCompletion::FindPlanes(ThreadPool* pool, Progress* progress) {
+  ConfirmReliablePixels(pool, progress);
   std::vector<Eigen::Vector3f> normals;
   for (const NormalSample& sample : normal_samples_) {
     if (plane_views_[sample.view_idx].is_reliable[sample.pixel]) {
@@ -178,7 +194,7 @@ void PlaneCompletion::FindPlanes(ThreadPool* pool) {
     return;
   }
   hypotheses_.resize(plane_views_.size());
-  pool->ParallelFor(plane_views_.size(), [&](const size_t v, int) {
+  ForEachView(plane_views_.size(), pool, progress, [&](const size_t v) {
     const int view_idx = static_cast<int>(v);
     if (plane_views_[v].segments.empty()) {
       return;

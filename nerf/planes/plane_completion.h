@@ -4,6 +4,7 @@
 #include "nerf/planes/plane_hypotheses.h"
 #include "nerf/planes/plane_view.h"
 #include "nerf/planes/plane_votes.h"
+#include "nerf/progress.h"
 #include "nerf/scene.h"
 #include "nerf/scene_frame.h"
 #include "nerf/stereo/patch_match.h"
@@ -38,7 +39,8 @@ class PlaneCompletion {
   // Takes the maps of a view after matching: depth, normals, distinctness.
   void AddView(int view_idx, const DenseMaps& maps, ThreadPool* pool);
 
-  void FindPlanes(ThreadPool* pool);
+  // Throws Aborted if told to.
+  void FindPlanes(ThreadPool* pool, Progress* progress);
 
   // Replaces depth and normals of pixels on a plane that was found; others, and
   // those that are masked or without a depth, stay as they are. Returns how
@@ -54,7 +56,7 @@ class PlaneCompletion {
   std::vector<ViewWarp> MakeWarps(int view_idx) const;  // to its sources
 
   // What too few sources confirm is reliable no more.
-  void ConfirmReliablePixels(ThreadPool* pool);
+  void ConfirmReliablePixels(ThreadPool* pool, Progress* progress);
 
   // By cell of the view's PlaneLattice.
   std::vector<ChosenPlane> ChoosePlanes(int view_idx) const;

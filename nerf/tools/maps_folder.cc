@@ -127,7 +127,7 @@ std::vector<DenseMaps> RenderMaps(const std::vector<View>& views,
     reconstructor->AddMaps(i, all_maps.back());
     ReportItems("Rendering depth maps", i + 1, views.size(), progress);
   }
-  reconstructor->FindPlanes();
+  reconstructor->FindPlanes(&view_progress);
   for (size_t i = 0; i < views.size(); ++i) {
     DenseMaps& maps = all_maps[i];
     reconstructor->CompletePlanes(i, &maps);

@@ -29,7 +29,8 @@ Completed Complete(const Room& room,
   for (size_t v = 0; v < std::min(room.maps.size(), num_added); ++v) {
     completion.AddView(static_cast<int>(v), room.maps[v], &pool);
   }
-  completion.FindPlanes(&pool);
+  Progress progress;
+  completion.FindPlanes(&pool, &progress);
   for (size_t v = 0; v < room.maps.size(); ++v) {
     result.num_pixels.push_back(
         completion.Complete(static_cast<int>(v), &pool, &result.maps[v]));
@@ -249,6 +250,24 @@ TEST(PlaneCompletion, ViewsThatWereNotAddedAreLeftOut) {
   EXPECT_GT(result.num_pixels[0], 0u);
   EXPECT_EQ(result.num_pixels[4], 0u);
   EXPECT_EQ(result.maps[4].depth, room.maps[4].depth);
+}
+
+TEST(PlaneCompletion, EndsBetweenViewsWhenTold) {
+  class AbortLater : public Progress {
+   public:
+    bool ShouldAbort() override { return ++num_asked > 7; }
+    int num_asked = 0;
+  };
+  const Room room = MakeRoom(160, 80);
+  const TrainingViews views(room.scene, room.frame);
+  PlaneCompletion completion(room.scene, room.frame, views, room.sources, 5);
+  ThreadPool pool(1);
+  for (size_t v = 0; v < room.maps.size(); ++v) {
+    completion.AddView(static_cast<int>(v), room.maps[v], &pool);
+  }
+  AbortLater progress;
+  EXPECT_THROW(completion.FindPlanes(&pool, &progress), Aborted);
+  EXPECT_EQ(progress.num_asked, 8);
 }
 
 TEST(PlaneCompletion, WithoutSourcesNothingChanges) {

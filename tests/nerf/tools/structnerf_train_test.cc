@@ -98,7 +98,7 @@ TEST_F(StructnerfTrainTest, MapsAreThoseOfTheMethod) {
     all_maps.push_back(reconstructor.RenderView(i, &progress));
     reconstructor.AddMaps(i, all_maps.back());
   }
-  reconstructor.FindPlanes();
+  reconstructor.FindPlanes(&progress);
   size_t num_geometric = 0;
   for (size_t i = 0; i < scene_.views.size(); ++i) {
     DenseMaps& maps = all_maps[i];
