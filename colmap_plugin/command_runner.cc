@@ -1,6 +1,7 @@
 #include "colmap_plugin/command_runner.h"
 
 #include "colmap_plugin/colmap_compat.h"
+#include "colmap_plugin/error_text.h"
 #include "colmap_plugin/log_level.h"
 #include "colmap_plugin/terminal_progress.h"
 #include "nerf/util/interrupts.h"
@@ -46,8 +47,8 @@ void RequireOptions(
 int RunReportingErrors(const std::function<int()>& command) {
   try {
     return command();
-  } catch (const std::exception& error) {
-    std::cerr << "ERROR: " << error.what() << std::endl;
+  } catch (...) {
+    std::cerr << "ERROR: " << CurrentErrorText() << std::endl;
     return EXIT_FAILURE;
   }
 }

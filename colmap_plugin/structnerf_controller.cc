@@ -3,6 +3,7 @@
 #include "colmap_plugin/cloud_fusion.h"
 #include "colmap_plugin/colmap_compat.h"
 #include "colmap_plugin/depth_priors.h"
+#include "colmap_plugin/error_text.h"
 #include "colmap_plugin/exposure_fit.h"
 #include "colmap_plugin/image_decisions.h"
 #include "colmap_plugin/input_check.h"
@@ -118,21 +119,35 @@ void StructNerfController::Run() {
     error_ =
         "The memory did not suffice; lower --StructNeRF.max_memory_gb or "
         "--StructNeRF.max_image_size.";
-  } catch (const std::exception& error) {
+  } catch (...) {
     status_ = Status::kFailed;
-    error_ = error.what();
+    error_ = CurrentErrorText();
   }
-  const bool is_given_up = status_ == Status::kAborted &&
-                           progress_->ShouldAbort() && !progress_->ShouldSave();
-  if (status_ != Status::kSuccess && !is_given_up &&
-      staged_folder_ != nullptr && HasCheckpoint(staged_folder_->NotesPath())) {
-    staged_folder_->Keep();
-    kept_path_ = is_refused ? "" : staged_folder_->Path();
+  try {
+    if (status_ != Status::kSuccess) {
+      KeepCheckpoints(is_refused);
+    }
+  } catch (...) {
+    // What the run itself failed with says more.
+    if (status_ != Status::kFailed) {
+      status_ = Status::kFailed;
+      error_ = CurrentErrorText();
+    }
   }
   depth_maps_.reset();
   reconstructor_.reset();
   journal_.reset();
   staged_folder_.reset();
+}
+
+void StructNerfController::KeepCheckpoints(const bool is_refused) {
+  const bool is_given_up = status_ == Status::kAborted &&
+                           progress_->ShouldAbort() && !progress_->ShouldSave();
+  if (!is_given_up && staged_folder_ != nullptr &&
+      HasCheckpoint(staged_folder_->NotesPath())) {
+    staged_folder_->Keep();
+    kept_path_ = is_refused ? "" : staged_folder_->Path();
+  }
 }
 
 void StructNerfController::RunStages() {

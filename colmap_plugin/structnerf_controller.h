@@ -39,8 +39,8 @@ class StructNerfController : public colmap::BaseController {
       RunProgress* progress);
   ~StructNerfController() override;
 
-  // Does not throw. Training ends early, and the later stages still run, when
-  // CheckIfStopped() or the progress says so.
+  // Does not throw, whatever the progress throws. Training ends early, and the
+  // later stages still run, when CheckIfStopped() or the progress says so.
   void Run() override;
 
   Status GetStatus() const { return status_; }
@@ -59,6 +59,10 @@ class StructNerfController : public colmap::BaseController {
   class ControllerProgress;
 
   void RunStages();
+
+  // After a run that did not succeed, unless the user gave it up.
+  // `is_refused`: the checkpoints are another run's.
+  void KeepCheckpoints(bool is_refused);
 
   // Throws before anything is written if the input cannot work.
   void CheckInput();

@@ -1,8 +1,8 @@
 #include "ui/comparison_run.h"
 
+#include "colmap_plugin/error_text.h"
 #include "colmap_plugin/evaluation/comparison_report.h"
 
-#include <exception>
 #include <utility>
 
 namespace structnerf {
@@ -26,8 +26,8 @@ void ComparisonRun::Run(const ComparisonOptions& options,
     page_path_ = WriteComparison(Compare(options, &progress_), folder);
   } catch (const Aborted&) {
     // Nobody waits for it any more.
-  } catch (const std::exception& error) {
-    error_ = error.what();
+  } catch (...) {
+    error_ = CurrentErrorText();
   }
 }
 

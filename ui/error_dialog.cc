@@ -1,7 +1,8 @@
 #include "ui/error_dialog.h"
 
+#include "colmap_plugin/error_text.h"
+
 #include <QMessageBox>
-#include <exception>
 
 #include <glog/logging.h>
 
@@ -15,8 +16,8 @@ void ShowError(QWidget* parent, const std::string& sentence) {
 void ShowErrorOf(QWidget* parent, const std::function<void()>& function) {
   try {
     function();
-  } catch (const std::exception& error) {
-    ShowError(parent, error.what());
+  } catch (...) {
+    ShowError(parent, CurrentErrorText());
   }
 }
 

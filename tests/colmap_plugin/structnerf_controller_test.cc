@@ -1,0 +1,115 @@
+#include "colmap_plugin/structnerf_controller.h"
+
+#include "colmap_plugin/input_check.h"
+#include "tests/colmap_plugin/tiny_model.h"
+#include "tests/support/temp_dir.h"
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <new>
+#include <stdexcept>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace structnerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+using Status = StructNerfController::Status;
+using testing::HasSubstr;
+
+// Throws when a stage is reported.
+class ThrowingProgress : public RunProgress {
+ public:
+  ThrowingProgress(const std::string& stage, std::function<void()> throw_error)
+      : stage_(stage), throw_error_(std::move(throw_error)) {}
+
+  void Report(const ProgressUpdate& update) override {
+    if (update.stage == stage_) {
+      throw_error_();
+    }
+  }
+
+ private:
+  const std::string stage_;
+  const std::function<void()> throw_error_;
+};
+
+// Aborts the run, and throws when it is asked why.
+class ThrowingAbort : public RunProgress {
+ public:
+  bool ShouldAbort() override { return true; }
+  bool ShouldSave() override { throw 1; }
+};
+
+class StructNerfControllerTest : public testing::Test {
+ protected:
+  StructNerfControllerTest() {
+    const TinyModel model = MakeTinyModel(3);
+    model.WriteModel(folder_ / "model");
+    model.WriteImages(folder_ / "images");
+    options_.reconstruction = QualityPreset("low");
+    options_.reconstruction.training.num_steps = 20;
+    options_.image_path = folder_ / "images";
+    options_.output_path = folder_ / "dense";
+  }
+
+  std::unique_ptr<StructNerfController> Run(RunProgress* progress) {
+    auto controller = std::make_unique<StructNerfController>(
+        options_,
+        std::make_shared<const colmap::Reconstruction>(
+            ReadModel(folder_ / "model")),
+        progress);
+    controller->Run();
+    return controller;
+  }
+
+  const TempDir folder_;
+  StructNerfOptions options_;
+};
+
+TEST_F(StructNerfControllerTest, WhateverIsThrownBecomesASentence) {
+  struct Error {
+    std::function<void()> throw_it;
+    std::string text;
+  };
+  for (const char* stage : {"Undistorting images", "Training"}) {
+    for (const Error& error :
+         {Error{[]() { throw std::runtime_error("The disk is full."); },
+                "The disk is full."},
+          Error{[]() { throw std::bad_alloc(); }, "memory did not suffice"},
+          Error{[]() { throw 1; }, "unknown"}}) {
+      ThrowingProgress progress(stage, error.throw_it);
+      const auto controller = Run(&progress);
+      EXPECT_EQ(controller->GetStatus(), Status::kFailed);
+      EXPECT_THAT(controller->Error(), HasSubstr(error.text)) << stage;
+      EXPECT_FALSE(fs::exists(options_.output_path)) << stage;
+    }
+  }
+}
+
+TEST_F(StructNerfControllerTest, WhatWasLearnedIsKeptWhateverIsThrown) {
+  ThrowingProgress progress("Fusing points", []() { throw 1; });
+  const auto failed = Run(&progress);
+  EXPECT_EQ(failed->GetStatus(), Status::kFailed);
+  EXPECT_FALSE(failed->KeptPath().empty());
+
+  RunProgress silent;
+  const auto resumed = Run(&silent);
+  EXPECT_EQ(resumed->GetStatus(), Status::kSuccess) << resumed->Error();
+  EXPECT_EQ(resumed->Report().training.num_resumed_steps, 20);
+}
+
+TEST_F(StructNerfControllerTest, AnErrorWhileCleaningUpBecomesASentence) {
+  ThrowingAbort progress;
+  const auto controller = Run(&progress);
+  EXPECT_EQ(controller->GetStatus(), Status::kFailed);
+  EXPECT_THAT(controller->Error(), HasSubstr("unknown"));
+  EXPECT_FALSE(fs::exists(options_.output_path));
+}
+
+}  // namespace
+}  // namespace structnerf
