@@ -3,6 +3,7 @@
 #include "tests/nerf/fake_engine.h"
 #include "tests/nerf/plane_scene.h"
 
+#include <chrono>
 #include <cmath>
 #include <vector>
 
@@ -126,6 +127,23 @@ TEST_F(PreviewRendererTest, TakesOnlyAShareOfTheTraining) {
   EXPECT_EQ(progress_.previews.size(), 1u);
   previews_->RenderIfWanted(1e6, &progress_);
   EXPECT_EQ(progress_.previews.size(), 2u);
+}
+
+TEST_F(PreviewRendererTest, AWatchedTrainingTakesAtMostFivePercentLonger) {
+  using Clock = std::chrono::steady_clock;
+  constexpr double kStepSeconds = 0.01;
+  progress_.view_idx = 0;
+  double training_seconds = 0;
+  double preview_seconds = 0;
+  for (int step = 0; step < 2000; ++step) {
+    const auto begin = Clock::now();
+    previews_->RenderIfWanted(training_seconds + preview_seconds, &progress_);
+    preview_seconds +=
+        std::chrono::duration<double>(Clock::now() - begin).count();
+    training_seconds += kStepSeconds;
+  }
+  EXPECT_GT(progress_.previews.size(), 2u);
+  EXPECT_LT(preview_seconds, 0.05 * training_seconds);
 }
 
 }  // namespace
