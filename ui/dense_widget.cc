@@ -155,28 +155,30 @@ void DenseWidget::End() {
   }
 }
 
-bool DenseWidget::AskToCancel() {
-  return QMessageBox::question(
-             this,
-             "",
-             "The StructNeRF reconstruction has not ended. Do you want to "
-             "cancel it? Nothing will be written.",
-             QMessageBox::Yes | QMessageBox::No) == QMessageBox::Yes;
+bool DenseWidget::MayClose() {
+  if (!IsRunning()) {
+    return true;
+  }
+  if (QMessageBox::question(
+          this,
+          "",
+          "The StructNeRF reconstruction has not ended. Do you want to "
+          "cancel it? Nothing will be written.",
+          QMessageBox::Yes | QMessageBox::No) != QMessageBox::Yes) {
+    return false;
+  }
+  if (IsRunning()) {  // has not ended while it was asked
+    run_->Progress().Abort();
+  }
+  return true;
 }
 
 void DenseWidget::closeEvent(QCloseEvent* event) {
-  if (IsRunning()) {
-    if (!AskToCancel()) {
-      event->ignore();
-      return;
-    }
-    run_->Progress().Abort();
-  }
-  event->accept();
+  event->setAccepted(MayClose());
 }
 
 bool DenseWidget::eventFilter(QObject* object, QEvent* event) {
-  if (event->type() == QEvent::Close && IsRunning() && !AskToCancel()) {
+  if (event->type() == QEvent::Close && !MayClose()) {
     event->ignore();
     return true;
   }

@@ -38,7 +38,9 @@ class DenseWidget : public QWidget {
   void Start();
   void Poll();
   void End();
-  bool AskToCancel();
+
+  // Asks in the middle of a run, and cancels it if the answer is yes.
+  bool MayClose();
 
   StructNerfOptions* const options_;
   ColmapLink* const link_;
