@@ -9,6 +9,7 @@
 #include <QHeaderView>
 #include <QUrl>
 #include <QVBoxLayout>
+#include <chrono>
 #include <utility>
 
 namespace structnerf {
@@ -64,7 +65,8 @@ ResultsPage::ResultsPage(ColmapLink* link, QWidget* parent)
   AddButton("Confidence", "confidence", [this]() { OpenConfidence(); });
   AddButton("Photograph", "photograph", [this]() { OpenPhotograph(); });
   row->addStretch(1);
-  AddButton("Show cloud", "show_cloud", [this]() { ShowCloud(); });
+  cloud_button_ =
+      AddButton("Show cloud", "show_cloud", [this]() { ReadCloud(); });
   AddButton(
       "Show sparse model", "show_model", [this]() { link_->ShowModel(); });
   AddButton("Open folder", "open_folder", [this]() {
@@ -78,6 +80,9 @@ ResultsPage::ResultsPage(ColmapLink* link, QWidget* parent)
   layout->addWidget(comparison_bar_);
 
   map_viewer_ = new MapViewer(this);
+  timer_ = new QTimer(this);
+  timer_->setInterval(kPollMilliseconds);
+  connect(timer_, &QTimer::timeout, this, [this]() { PollCloud(); });
 }
 
 QPushButton* ResultsPage::AddButton(const QString& text,
@@ -118,11 +123,24 @@ void ResultsPage::ShowResults(
   buttons_->setEnabled(true);
   comparison_bar_->ShowWorkspace(report.workspace_path);
   comparison_bar_->setEnabled(true);
-  ShowErrorOf(this, [this]() { ShowCloud(); });
+  ShowErrorOf(this, [this]() { ReadCloud(); });
 }
 
-void ResultsPage::ShowCloud() {
-  link_->ShowCloud(MakeCloudModel(*model_, workspace_->FusedPath()));
+void ResultsPage::ReadCloud() {
+  cloud_ = std::async(std::launch::async,
+                      [model = model_, path = workspace_->FusedPath()]() {
+                        return MakeCloudModel(*model, path);
+                      });
+  cloud_button_->setEnabled(false);
+  timer_->start();
+}
+
+void ResultsPage::PollCloud() {
+  if (cloud_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
+    timer_->stop();
+    cloud_button_->setEnabled(true);
+    ShowErrorOf(this, [this]() { link_->ShowCloud(cloud_.get()); });
+  }
 }
 
 void ResultsPage::OpenMap(const MapViewer::Kind kind) {

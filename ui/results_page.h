@@ -10,8 +10,10 @@
 #include <QPlainTextEdit>
 #include <QPushButton>
 #include <QTableWidget>
+#include <QTimer>
 #include <QWidget>
 #include <functional>
+#include <future>
 #include <memory>
 
 namespace structnerf {
@@ -31,7 +33,12 @@ class ResultsPage : public QWidget {
   QPushButton* AddButton(const QString& text,
                          const char* name,
                          std::function<void()> action);
-  void ShowCloud();
+
+  // Reads the cloud on a thread of its own, since millions of points take
+  // seconds, and shows it when it is there.
+  void ReadCloud();
+  void PollCloud();
+
   void OpenMap(MapViewer::Kind kind);
   void OpenConfidence();
   void OpenPhotograph();
@@ -42,12 +49,15 @@ class ResultsPage : public QWidget {
   ColmapLink* const link_;
   std::unique_ptr<DenseWorkspace> workspace_;
   std::shared_ptr<const colmap::Reconstruction> model_;
+  std::future<std::shared_ptr<colmap::Reconstruction>> cloud_;  // being read
   QPlainTextEdit* summary_;
   QTableWidget* views_;
   QComboBox* map_type_;
   QWidget* buttons_;
+  QPushButton* cloud_button_;
   ComparisonBar* comparison_bar_;
   MapViewer* map_viewer_;
+  QTimer* timer_;
 };
 
 }  // namespace structnerf
