@@ -1,6 +1,6 @@
 #pragma once
 
-#include "nerf/preview.h"
+#include "colmap_plugin/run_progress.h"
 
 #include <QLabel>
 #include <QWidget>

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "colmap_plugin/run_expectation.h"
 #include "colmap_plugin/structnerf_options.h"
-#include "ui/run_expectation.h"
 
 #include <QCheckBox>
 #include <QComboBox>

@@ -1,4 +1,4 @@
-#include "ui/run_expectation.h"
+#include "colmap_plugin/run_expectation.h"
 
 #include "colmap_plugin/input_check.h"
 #include "colmap_plugin/option_table.h"
