@@ -1,17 +1,12 @@
 #include "ui/gui_command.h"
 
-#include "colmap_plugin/colmap_compat.h"
-#include "colmap_plugin/command_line.h"
-#include "colmap_plugin/option_table.h"
-#include "colmap_plugin/structnerf_options.h"
+#include "ui/gui_arguments.h"
 #include "ui/gui_window.h"
 
 #include <QApplication>
 #include <cstdlib>
 #include <exception>
 #include <iostream>
-#include <string>
-#include <utility>
 
 // The macro must not be used in a namespace.
 static void InitializeResources() { Q_INIT_RESOURCE(resources); }
@@ -34,33 +29,12 @@ bool HasDisplay() {
 #endif
 }
 
-// Returns false if the command line is wrong, which has been said then.
-bool ParseGuiOptions(const int argc,
-                     char** argv,
-                     colmap::OptionManager* manager,
-                     StructNerfOptions* options,
-                     std::string* import_path) {
-  options->quality =
-      FindOption({argv, argv + argc}, "StructNeRF.quality", options->quality);
-  options->reconstruction = QualityPreset(options->quality);
-  // From COLMAP 4.0 on, what is added here is also kept in project files.
-  AddOptions(MakeOptionTable(options), manager);
-  if (argc > 1) {
-    manager->AddDefaultOption("import_path", import_path);
-    manager->AddAllOptions();
-    return ParseOptions(argc, argv, manager);
-  }
-  return true;
-}
-
 }  // namespace
 
 int RunGui(int argc, char** argv) {
-  StructNerfOptions options;
-  colmap::OptionManager manager;
-  std::string import_path;
+  GuiArguments arguments;
   try {
-    if (!ParseGuiOptions(argc, argv, &manager, &options, &import_path)) {
+    if (!ParseGuiArguments(argc, argv, &arguments)) {
       return EXIT_FAILURE;
     }
   } catch (const std::exception& error) {
@@ -81,11 +55,8 @@ int RunGui(int argc, char** argv) {
 #endif
   QApplication app(argc, argv);
 
-  GuiWindow window(std::move(manager), &options);
-  window.Show();
-  if (!import_path.empty()) {
-    window.Window().ImportReconstruction(import_path);
-  }
+  GuiWindow window(arguments.manager, &arguments.options);
+  window.Show(arguments.import_path);
   return app.exec();
 }
 

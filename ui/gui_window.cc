@@ -1,7 +1,6 @@
 #include "ui/gui_window.h"
 
 #include "ui/dense_action.h"
-#include "ui/main_window_hook.h"
 
 #include <QMessageBox>
 #include <utility>
@@ -10,9 +9,12 @@
 
 namespace structnerf {
 
-GuiWindow::GuiWindow(colmap::OptionManager manager, StructNerfOptions* options)
+GuiWindow::GuiWindow(
+    colmap::OptionManager manager,
+    StructNerfOptions* options,
+    const std::function<MainWindowHook(const QMainWindow&)>& find_hook)
     : link_(manager), window_(std::move(manager)) {
-  const MainWindowHook hook = FindMainWindowHook(window_);
+  const MainWindowHook hook = find_hook(window_);
   error_ = hook.error;
   if (error_.empty()) {
     link_.SetViewer(hook.viewer);
@@ -20,8 +22,11 @@ GuiWindow::GuiWindow(colmap::OptionManager manager, StructNerfOptions* options)
   }
 }
 
-void GuiWindow::Show() {
+void GuiWindow::Show(const std::string& import_path) {
   window_.show();
+  if (!import_path.empty()) {
+    window_.ImportReconstruction(import_path);
+  }
   if (!error_.empty()) {
     LOG(WARNING) << error_;
     auto* box = new QMessageBox(QMessageBox::Warning,

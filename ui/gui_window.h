@@ -2,7 +2,9 @@
 
 #include "colmap_plugin/structnerf_options.h"
 #include "ui/colmap_link.h"
+#include "ui/main_window_hook.h"
 
+#include <functional>
 #include <string>
 
 #include <colmap/controllers/option_manager.h>
@@ -14,10 +16,15 @@ namespace structnerf {
 class GuiWindow {
  public:
   // `options`: what the dialog starts from; must outlive this object.
-  GuiWindow(colmap::OptionManager manager, StructNerfOptions* options);
+  // `find_hook`: tests put a COLMAP of another kind in its place.
+  GuiWindow(colmap::OptionManager manager,
+            StructNerfOptions* options,
+            const std::function<MainWindowHook(const QMainWindow&)>& find_hook =
+                FindMainWindowHook);
 
-  // Says it, too, if the item found no place.
-  void Show();
+  // With the model of a folder in it, if one is given. Says it, too, if the
+  // item found no place.
+  void Show(const std::string& import_path = "");
 
   colmap::MainWindow& Window() { return window_; }
 

@@ -1,0 +1,61 @@
+#include "ui/gui_arguments.h"
+
+#include "tests/colmap_plugin/tiny_model.h"
+#include "tests/support/temp_dir.h"
+#include "ui/gui_window.h"
+
+#include <QComboBox>
+#include <QLabel>
+#include <QLineEdit>
+#include <QSpinBox>
+#include <QTest>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace structnerf {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(GuiArguments, ReachTheDialog) {
+  const TempDir folder;
+  const TinyModel model = MakeTinyModel(3);
+  model.WriteModel(folder / "model");
+  model.WriteImages(folder / "images");
+  std::vector<std::string> args = {"colmap",
+                                   "--database_path",
+                                   folder / "database.db",
+                                   "--import_path",
+                                   folder / "model",
+                                   "--image_path",
+                                   folder / "images",
+                                   "--StructNeRF.quality",
+                                   "low",
+                                   "--StructNeRF.num_steps",
+                                   "123"};
+  std::vector<char*> argv;
+  for (std::string& arg : args) {
+    argv.push_back(arg.data());
+  }
+  GuiArguments arguments;
+  ASSERT_TRUE(ParseGuiArguments(
+      static_cast<int>(argv.size()), argv.data(), &arguments));
+
+  GuiWindow window(arguments.manager, &arguments.options);
+  window.Show(arguments.import_path);
+  auto* item = window.Window().findChild<QAction*>("structnerf_dense");
+  ASSERT_TRUE(QTest::qWaitFor([&]() { return item->isEnabled(); }));
+  item->trigger();
+  const auto* quality = window.Window().findChild<QComboBox*>("quality");
+  EXPECT_EQ(quality->currentText(), "low");
+  const auto* image_path = window.Window().findChild<QLineEdit*>("image_path");
+  EXPECT_EQ(image_path->text().toStdString(), folder / "images");
+  const auto* expectation = window.Window().findChild<QLabel*>("expectation");
+  EXPECT_THAT(expectation->text().toStdString(), HasSubstr("3 images"));
+  EXPECT_THAT(expectation->text().toStdString(), HasSubstr("123 steps"));
+}
+
+}  // namespace
+}  // namespace structnerf

@@ -1,0 +1,25 @@
+#include "ui/gui_arguments.h"
+
+#include "colmap_plugin/colmap_compat.h"
+#include "colmap_plugin/command_line.h"
+#include "colmap_plugin/option_table.h"
+
+namespace structnerf {
+
+bool ParseGuiArguments(const int argc, char** argv, GuiArguments* arguments) {
+  StructNerfOptions& options = arguments->options;
+  colmap::OptionManager& manager = arguments->manager;
+  options.quality =
+      FindOption({argv, argv + argc}, "StructNeRF.quality", options.quality);
+  options.reconstruction = QualityPreset(options.quality);
+  // From COLMAP 4.0 on, what is added here is also kept in project files.
+  AddOptions(MakeOptionTable(&options), &manager);
+  if (argc > 1) {
+    manager.AddDefaultOption("import_path", &arguments->import_path);
+    manager.AddAllOptions();
+    return ParseOptions(argc, argv, &manager);
+  }
+  return true;
+}
+
+}  // namespace structnerf
