@@ -19,6 +19,7 @@ class CurveWidget : public QWidget {
               QWidget* parent);
 
   void SetCurve(std::vector<CurvePoint> curve);
+  const std::vector<CurvePoint>& Curve() const { return curve_; }
 
   QSize sizeHint() const override { return {240, 110}; }
 

@@ -21,6 +21,7 @@ RunPage::RunPage(QWidget* parent) : QWidget(parent) {
   stage_->setObjectName("stage");
   line->addWidget(stage_, 1);
   time_left_ = new QLabel(this);
+  time_left_->setObjectName("time_left");
   line->addWidget(time_left_);
   layout->addLayout(line);
 

@@ -1,10 +1,13 @@
 // A user's way through COLMAP's window, with real events on a real screen.
 
 #include "colmap_plugin/structnerf_options.h"
+#include "tests/colmap_plugin/tiny_model.h"
 #include "tests/support/synthetic_room.h"
 #include "tests/support/synthetic_room_writer.h"
 #include "tests/support/temp_dir.h"
+#include "tests/ui/freeze_watch.h"
 #include "ui/comparison_bar.h"
+#include "ui/curve_widget.h"
 #include "ui/gui_window.h"
 #include "ui/map_viewer.h"
 
@@ -16,7 +19,9 @@
 #include <QLabel>
 #include <QLineEdit>
 #include <QMenu>
+#include <QMenuBar>
 #include <QMessageBox>
+#include <QPlainTextEdit>
 #include <QProgressBar>
 #include <QPushButton>
 #include <QScreen>
@@ -39,7 +44,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+using testing::EndsWith;
 using testing::HasSubstr;
+using testing::StartsWith;
 
 constexpr int kAnswerMilliseconds = 1000;
 constexpr int kRunMilliseconds = 300000;
@@ -96,8 +103,8 @@ class DenseWindowTest : public testing::Test {
   }
 
   // Opens the model and our window, and fills in the workspace.
-  void OpenDialog() {
-    window_->Window().ImportReconstruction(*temp_dir_ / "room/sparse/0");
+  void OpenDialog(const std::string& room = "room") {
+    window_->Window().ImportReconstruction(*temp_dir_ / (room + "/sparse/0"));
     ASSERT_TRUE(QTest::qWaitFor([this]() { return Item()->isEnabled(); }));
     Item()->trigger();
     ASSERT_TRUE(QTest::qWaitForWindowExposed(Tabs()->window()));
@@ -119,6 +126,27 @@ class DenseWindowTest : public testing::Test {
                  Find<QProgressBar>("bar")->value() > 0;
         },
         kRunMilliseconds);
+  }
+
+  const std::vector<CurvePoint>& Curve(const char* name) const {
+    return dynamic_cast<CurveWidget*>(Find<QWidget>(name))->Curve();
+  }
+
+  // What COLMAP's log panel shows.
+  QString Log() const {
+    for (QWidget* widget : window_->Window().findChildren<QWidget*>()) {
+      if (dynamic_cast<colmap::LogWidget*>(widget) != nullptr) {
+        return widget->findChild<QPlainTextEdit*>()->toPlainText();
+      }
+    }
+    return "";
+  }
+
+  // The button is enabled when the cloud has been read.
+  bool WaitForCloud() {
+    const auto* button = Find<QPushButton>("show_cloud");
+    return QTest::qWaitFor([=]() { return button->isEnabled(); },
+                           kRunMilliseconds);
   }
 
   bool WaitForTab(const int tab) {
@@ -146,18 +174,32 @@ class DenseWindowTest : public testing::Test {
     return false;
   }
 
-  // Answers the next message box, and keeps what it said.
-  void AnswerMessage(const QMessageBox::StandardButton button) {
-    QTimer::singleShot(50, [this, button]() {
+  // Calls a function once there is a message box.
+  void OnMessage(const std::function<void(QMessageBox*)>& function) {
+    QTimer::singleShot(50, [this, function]() {
       auto* box = dynamic_cast<QMessageBox*>(QApplication::activeModalWidget());
       if (box == nullptr) {
-        AnswerMessage(button);
-        return;
+        OnMessage(function);
+      } else {
+        function(box);
       }
-      message_ = box->text().toStdString();
-      Screenshot(box, "message");
-      QTest::mouseClick(box->button(button), Qt::LeftButton);
     });
+  }
+
+  // Keeps what a message box says, with a picture of that name, and answers it.
+  void Answer(QMessageBox* box,
+              const QMessageBox::StandardButton button,
+              const std::string& name) {
+    message_ = box->text().toStdString();
+    Screenshot(box, name);
+    QTest::mouseClick(box->button(button), Qt::LeftButton);
+  }
+
+  // The next one.
+  void AnswerMessage(const QMessageBox::StandardButton button,
+                     const std::string& name) {
+    OnMessage(
+        [this, button, name](QMessageBox* box) { Answer(box, button, name); });
   }
 
   static void Screenshot(QWidget* window, const std::string& name) {
@@ -215,6 +257,41 @@ TEST_F(DenseWindowTest, TheItemIsThereAndEnabledWithAModel) {
   EXPECT_TRUE(QTest::qWaitFor([&]() { return item->isEnabled(); }));
 }
 
+TEST_F(DenseWindowTest, OneImageIsNotEnough) {
+  const TinyModel model = MakeTinyModel(1);
+  model.WriteModel(*temp_dir_ / "one_image");
+  window_->Window().ImportReconstruction(*temp_dir_ / "one_image");
+  ASSERT_NE(Viewer()->reconstruction, nullptr);
+  EXPECT_EQ(Viewer()->reconstruction->NumRegImages(), 1u);
+  QTest::qWait(kAnswerMilliseconds);
+  EXPECT_FALSE(Item()->isEnabled());
+}
+
+TEST_F(DenseWindowTest, KeyAndMenuOpenTheDialog) {
+  window_->Window().ImportReconstruction(*temp_dir_ / "room/sparse/0");
+  ASSERT_TRUE(QTest::qWaitFor([this]() { return Item()->isEnabled(); }));
+  QWidget* dialog = Tabs()->window();
+  window_->Window().activateWindow();
+  ASSERT_TRUE(QTest::qWaitForWindowActive(&window_->Window()));
+  QTest::keyClick(&window_->Window(), Qt::Key_D, Qt::ControlModifier);
+  EXPECT_TRUE(dialog->isVisible());
+  dialog->close();
+
+  QMenuBar* bar = window_->Window().menuBar();
+  for (QAction* title : bar->actions()) {
+    if (title->text() == "Reconstruction") {
+      QTest::mouseClick(
+          bar, Qt::LeftButton, {}, bar->actionGeometry(title).center());
+      QMenu* menu = title->menu();
+      ASSERT_TRUE(QTest::qWaitForWindowExposed(menu));
+      Screenshot(menu, "menu");
+      QTest::mouseClick(
+          menu, Qt::LeftButton, {}, menu->actionGeometry(Item()).center());
+    }
+  }
+  EXPECT_TRUE(dialog->isVisible());
+}
+
 TEST_F(DenseWindowTest, RunsToTheEndAndShowsTheResults) {
   OpenDialog();
   EXPECT_EQ(Find<QLineEdit>("image_path")->text().toStdString(),
@@ -226,13 +303,19 @@ TEST_F(DenseWindowTest, RunsToTheEndAndShowsTheResults) {
   Tabs()->setCurrentIndex(1);
   Screenshot(Tabs()->window(), "advanced");
   Tabs()->setCurrentIndex(0);
+  SetNumSteps(4000);  // enough for several previews
 
+  const FreezeWatch freezes;
   Click("start");
   ASSERT_TRUE(WaitForTraining());
   const auto* bar = Find<QProgressBar>("bar");
   const int first_value = bar->value();
   EXPECT_TRUE(QTest::qWaitFor([&]() { return bar->value() > first_value + 50; },
                               kRunMilliseconds));
+  EXPECT_THAT(Find<QLabel>("time_left")->text().toStdString(),
+              EndsWith(" left"));
+  const size_t num_losses = Curve("loss").size();
+  EXPECT_GT(num_losses, 0u);
 
   EXPECT_EQ(Find<QComboBox>("image")->count(), 8);
   for (const char* name : {"Photograph", "Rendered", "Depth", "Normals"}) {
@@ -243,18 +326,22 @@ TEST_F(DenseWindowTest, RunsToTheEndAndShowsTheResults) {
         << name;
   }
 
+  const auto* rendered = Find<QLabel>("Rendered");
+  const qint64 first_preview = rendered->pixmap(Qt::ReturnByValue).cacheKey();
   EXPECT_TRUE(
-      QTest::qWaitFor([&]() { return bar->value() > 600; }, kRunMilliseconds));
+      QTest::qWaitFor([&]() { return bar->value() > 700; }, kRunMilliseconds));
+  EXPECT_NE(rendered->pixmap(Qt::ReturnByValue).cacheKey(), first_preview);
+  EXPECT_GT(Curve("loss").size(), num_losses);
+  EXPECT_LT(Curve("loss").back().value, Curve("loss").front().value);
+  EXPECT_GT(Curve("psnr").size(), 1u);
   Click("pause");
   QTest::qWait(kAnswerMilliseconds);
   EXPECT_EQ(Find<QLabel>("stage")->text(), "Training (paused)");
-  const int paused_value = bar->value();
   Screenshot(Tabs()->window(), "run");
-  QTest::qWait(500);
-  EXPECT_EQ(bar->value(), paused_value);
   Click("pause");
 
   ASSERT_TRUE(WaitForTab(3)) << message_;
+  ASSERT_TRUE(WaitForCloud());
   EXPECT_TRUE(fs::exists(WorkspacePath() + "/fused.ply"));
   const auto* views = Find<QTableWidget>("views");
   ASSERT_EQ(views->rowCount(), 8);
@@ -266,8 +353,19 @@ TEST_F(DenseWindowTest, RunsToTheEndAndShowsTheResults) {
   Click("show_model");
   EXPECT_NE(Viewer()->points3D.size(), num_cloud_points);
   Click("show_cloud");
+  ASSERT_TRUE(WaitForCloud());
   EXPECT_EQ(Viewer()->points3D.size(), num_cloud_points);
   EXPECT_GT(num_cloud_points, 100u);
+  RecordProperty("longest_freeze_ms",
+                 static_cast<int>(freezes.LongestMilliseconds()));
+  EXPECT_LT(freezes.LongestMilliseconds(), kAnswerMilliseconds);
+
+  EXPECT_TRUE(QTest::qWaitFor([&]() {
+    return Log().contains(
+        QString::fromStdString("points in " + WorkspacePath()));
+  })) << Log().toStdString();
+  EXPECT_TRUE(Log().contains("StructNeRF: Training"));
+  EXPECT_TRUE(Log().contains("StructNeRF: Fusing points"));
 
   Click("depth_map");
   auto* map_viewer = dynamic_cast<MapViewer*>(Find<QLabel>("value")->window());
@@ -288,13 +386,23 @@ TEST_F(DenseWindowTest, RunsToTheEndAndShowsTheResults) {
   EXPECT_EQ(FindOtherWorkspace(other_path), WorkspacePath());
   QTextBrowser browser;
   QDesktopServices::setUrlHandler("file", &browser, "setSource");
+  Click("open_folder");
+  EXPECT_EQ(browser.source().toLocalFile().toStdString(), WorkspacePath());
   Find<QLineEdit>("other_path")->setText(QString::fromStdString(other_path));
   Click("compare");
-  EXPECT_TRUE(QTest::qWaitFor([&]() { return !browser.source().isEmpty(); },
+  Click("compare");  // cancels it
+  const auto* compare = Find<QPushButton>("compare");
+  EXPECT_TRUE(QTest::qWaitFor([&]() { return compare->text() == "Compare"; },
+                              kAnswerMilliseconds));
+  EXPECT_FALSE(fs::exists(WorkspacePath() + "/structnerf/comparison"));
+  Click("compare");
+  EXPECT_TRUE(QTest::qWaitFor([&]() { return compare->text() == "Compare"; },
                               kRunMilliseconds));
   QDesktopServices::unsetUrlHandler("file");
-  EXPECT_TRUE(fs::exists(browser.source().toLocalFile().toStdString()));
-  AnswerMessage(QMessageBox::Ok);
+  const std::string page = browser.source().toLocalFile().toStdString();
+  EXPECT_THAT(page, StartsWith(WorkspacePath() + "/structnerf/comparison"));
+  EXPECT_TRUE(fs::exists(page));
+  AnswerMessage(QMessageBox::Ok, "message_bad_comparison");
   Find<QLineEdit>("other_path")->setText("/no/such/folder");
   Click("compare");
   EXPECT_TRUE(QTest::qWaitFor([&]() { return !message_.empty(); },
@@ -322,6 +430,49 @@ TEST_F(DenseWindowTest, ATimeLimitChoosesTheQuality) {
             QualityPreset("low").training.num_steps);
   EXPECT_THAT(Find<QLabel>("expectation")->text().toStdString(),
               HasSubstr("about"));
+}
+
+// Long enough to be caught in each of its stages.
+TEST_F(DenseWindowTest, EveryStageAnswersAtOnce) {
+  SyntheticRoomOptions room_options;
+  room_options.num_views = 30;
+  WriteSyntheticRoom(MakeSyntheticRoom(room_options), *temp_dir_ / "large");
+  OpenDialog("large");
+  Find<QLineEdit>("image_path")
+      ->setText(QString::fromStdString(*temp_dir_ / "large/images"));
+  const auto* bar = Find<QProgressBar>("bar");
+  const auto* stage = Find<QLabel>("stage");
+  for (const char* const name : {"Undistorting images",
+                                 "Training",
+                                 "Rendering depth maps",
+                                 "Fusing points"}) {
+    SCOPED_TRACE(name);
+    SetNumSteps(std::string(name) == "Training" ? 2000 : 20);
+    Click("start");
+    ASSERT_TRUE(QTest::qWaitFor(
+        [&]() { return stage->text() == name && bar->value() > 0; },
+        kRunMilliseconds));
+    Click("pause");
+    QTest::qWait(kAnswerMilliseconds);
+    ASSERT_EQ(stage->text(), QString(name) + " (paused)");
+    const int paused_value = bar->value();
+    QTest::qWait(500);
+    EXPECT_EQ(bar->value(), paused_value);
+
+    QElapsedTimer timer;
+    timer.start();
+    Click("pause");
+    EXPECT_TRUE(QTest::qWaitFor(
+        [&]() { return bar->value() != paused_value || stage->text() != name; },
+        kRunMilliseconds));
+    EXPECT_LT(timer.elapsed(), kAnswerMilliseconds);
+
+    timer.start();
+    Click("cancel");
+    ASSERT_TRUE(WaitForTab(0));
+    EXPECT_LT(timer.elapsed(), kAnswerMilliseconds);
+    EXPECT_FALSE(fs::exists(WorkspacePath()));
+  }
 }
 
 TEST_F(DenseWindowTest, StopKeepsWhatWasLearned) {
@@ -360,16 +511,50 @@ TEST_F(DenseWindowTest, ClosingInTheMiddleAsks) {
   SetNumSteps(1000000);
   Click("start");
   ASSERT_TRUE(WaitForTraining());
-  AnswerMessage(QMessageBox::No);
+  AnswerMessage(QMessageBox::No, "message_close");
   EXPECT_FALSE(Tabs()->window()->close());
   EXPECT_THAT(message_, HasSubstr("has not ended"));
   EXPECT_EQ(Tabs()->currentIndex(), 2);
-  AnswerMessage(QMessageBox::No);
+  AnswerMessage(QMessageBox::No, "message_close_main_window");
   EXPECT_FALSE(window_->Window().close());
-  AnswerMessage(QMessageBox::Yes);
+  AnswerMessage(QMessageBox::Yes, "message_close");
   EXPECT_TRUE(Tabs()->window()->close());
   ASSERT_TRUE(WaitForTab(0));
   EXPECT_FALSE(fs::exists(WorkspacePath()));
+}
+
+TEST_F(DenseWindowTest, ClosingTheMainWindowCancels) {
+  OpenDialog();
+  SetNumSteps(1000000);
+  Click("start");
+  ASSERT_TRUE(WaitForTraining());
+  OnMessage([this](QMessageBox* box) {
+    Answer(box, QMessageBox::Yes, "message_close_main_window");
+    // COLMAP's own question.
+    AnswerMessage(QMessageBox::Yes, "message_quit");
+  });
+  EXPECT_TRUE(window_->Window().close());
+  EXPECT_THAT(message_, HasSubstr("quit"));
+  EXPECT_FALSE(window_->Window().isVisible());
+  QElapsedTimer timer;
+  timer.start();
+  ASSERT_TRUE(WaitForTab(0));
+  EXPECT_LT(timer.elapsed(), kAnswerMilliseconds);
+  EXPECT_FALSE(fs::exists(WorkspacePath()));
+}
+
+TEST_F(DenseWindowTest, ARunMayEndWhileTheQuestionIsOpen) {
+  OpenDialog();
+  SetNumSteps(1000000);
+  Click("start");
+  ASSERT_TRUE(WaitForTraining());
+  OnMessage([this](QMessageBox* box) {
+    Click("stop");
+    EXPECT_TRUE(WaitForTab(3));
+    Answer(box, QMessageBox::Yes, "message_close");
+  });
+  EXPECT_TRUE(Tabs()->window()->close());
+  EXPECT_TRUE(fs::exists(WorkspacePath() + "/fused.ply"));
 }
 
 TEST_F(DenseWindowTest, ABadFolderIsNamedInADialog) {
@@ -377,7 +562,7 @@ TEST_F(DenseWindowTest, ABadFolderIsNamedInADialog) {
   Find<QLineEdit>("image_path")->setText("/no/such/folder");
   EXPECT_EQ(Find<QComboBox>("device")->currentText(), "cpu");
   Find<QComboBox>("device")->setCurrentText("auto");
-  AnswerMessage(QMessageBox::Ok);
+  AnswerMessage(QMessageBox::Ok, "message_bad_folder");
   Click("start");
   EXPECT_EQ(options_.device, "auto");
   ASSERT_TRUE(QTest::qWaitFor([this]() { return !message_.empty(); },
@@ -387,7 +572,7 @@ TEST_F(DenseWindowTest, ABadFolderIsNamedInADialog) {
 
   message_.clear();
   Find<QLineEdit>("workspace_path")->clear();
-  AnswerMessage(QMessageBox::Ok);
+  AnswerMessage(QMessageBox::Ok, "message_no_workspace");
   Click("start");
   EXPECT_THAT(message_, HasSubstr("workspace"));
 }
