@@ -1,6 +1,5 @@
 #include "nerf/train/scene_hints.h"
 
-#include "nerf/train/depth_prior.h"
 #include "nerf/train/keypoints.h"
 
 #include <algorithm>
@@ -92,7 +91,15 @@ void SceneHints::CollectSparseRays(const Scene& scene,
       sparse_rays_.push_back(ray);
     }
   }
-  for (size_t v = 0; v < scene.views.size(); ++v) {
+  if (options.prior_weight > 0) {
+    InterpolateDepths(samples, frame);
+  }
+}
+
+void SceneHints::InterpolateDepths(
+    const std::vector<std::vector<DepthSample>>& samples,
+    const SceneFrame& frame) {
+  for (size_t v = 0; v < samples.size(); ++v) {
     const TrainingViews::Image& image = views_.image(static_cast<int>(v));
     DepthGrid grid;
     grid.width = (image.width + kInterpolationCell - 1) / kInterpolationCell;

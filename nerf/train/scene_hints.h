@@ -5,6 +5,7 @@
 #include "nerf/options.h"
 #include "nerf/scene.h"
 #include "nerf/scene_frame.h"
+#include "nerf/train/depth_prior.h"
 #include "nerf/train/training_views.h"
 
 #include <cstddef>
@@ -60,7 +61,8 @@ class SceneHints {
     return last_segment_area_;
   }
 
-  // Depth interpolated from the sparse points of the view; 0 without any.
+  // Depth interpolated from the sparse points of the view; 0 without any. Only
+  // if prior_weight is positive.
   float InterpolatedDepth(int view_idx, int col, int row) const;
 
   // The view's own depth prior.
@@ -72,6 +74,8 @@ class SceneHints {
                          const SceneFrame& frame,
                          const std::vector<int>& train_view_idxs,
                          const LossOptions& options);
+  void InterpolateDepths(const std::vector<std::vector<DepthSample>>& samples,
+                         const SceneFrame& frame);
   void CollectSegments(const Scene& scene,
                        const std::vector<int>& train_view_idxs);
   void CollectDensePriors(const Scene& scene,
