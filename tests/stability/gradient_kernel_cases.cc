@@ -229,25 +229,11 @@ double GridGradientError(const GridLevel& level,
 
 std::string MeasureGridGradient() {
   const double worst = WorstOfTargets([] {
-    FieldOptions options;
-    options.log2_table_size = 12;
-    options.max_resolution = 65536;
-    const FieldLayout layout(options, Eigen::Vector3f(1, 1e-3f, 0.5f));
+    const FieldLayout layout = ExtremeLayout();
     constexpr size_t kSamples = 64;
-    const std::vector<float> places = {-kInfinity,
-                                       -kLargest,
-                                       -1e-40f,
-                                       0,
-                                       1e-40f,
-                                       0.5f,
-                                       1,
-                                       1.5f,
-                                       kLargest,
-                                       kInfinity,
-                                       kNan};
-    const auto x = PickMany(places, kSamples, 1);
-    const auto y = PickMany(places, kSamples, 2);
-    const auto z = PickMany(places, kSamples, 3);
+    const auto x = ExtremePlaces(kSamples, 1);
+    const auto y = ExtremePlaces(kSamples, 2);
+    const auto z = ExtremePlaces(kSamples, 3);
 
     // The features of two levels, of which the second is looked at; samples of
     // zeros are left out.

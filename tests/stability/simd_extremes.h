@@ -1,5 +1,6 @@
 #pragma once
 
+#include "nerf/field/field_layout.h"
 #include "nerf/util/random.h"
 #include "tests/stability/stability_case.h"
 
@@ -43,6 +44,32 @@ inline std::vector<float> PickMany(const std::vector<float>& values,
     value = values[random.NextBelow(static_cast<uint32_t>(values.size()))];
   }
   return picked;
+}
+
+// A grid with far more cells than entries, in a box that is almost flat.
+inline FieldLayout ExtremeLayout() {
+  FieldOptions options;
+  options.log2_table_size = 12;
+  options.max_resolution = 65536;
+  return FieldLayout(options, Eigen::Vector3f(1, 1e-3f, 0.5f));
+}
+
+// Coordinates in and far outside of it.
+inline std::vector<float> ExtremePlaces(const size_t count,
+                                        const uint64_t seed) {
+  return PickMany({-kInfinity,
+                   -kLargest,
+                   -1e-40f,
+                   0,
+                   1e-40f,
+                   0.5f,
+                   1,
+                   1.5f,
+                   kLargest,
+                   kInfinity,
+                   kNan},
+                  count,
+                  seed);
 }
 
 inline void RequireFinite(const std::vector<float>& values,
