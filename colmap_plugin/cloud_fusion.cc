@@ -110,8 +110,11 @@ void WriteCloud(const std::string& path,
 
 }  // namespace
 
-int DefaultMinNumPixels(const size_t num_views) {
-  return static_cast<int>(std::clamp<size_t>(num_views / 10, 2, 5));
+int MinNumPixels(const colmap::mvs::StereoFusionOptions& options,
+                 const size_t num_views) {
+  return options.min_num_pixels > 0
+             ? options.min_num_pixels
+             : static_cast<int>(std::clamp<size_t>(num_views / 10, 2, 5));
 }
 
 size_t EstimateFusionMemory(const colmap::mvs::StereoFusionOptions& options,
@@ -129,11 +132,9 @@ size_t EstimateFusionMemory(const colmap::mvs::StereoFusionOptions& options,
     max_queue_bytes =
         std::max(max_queue_bytes, width * height * (1 + height / kRowsPerTask));
   }
-  const int min_num_pixels = options.min_num_pixels > 0
-                                 ? options.min_num_pixels
-                                 : DefaultMinNumPixels(cameras.size());
   const auto num_points =
-      static_cast<size_t>(num_pixels * kPointsPerPixelGroup / min_num_pixels);
+      static_cast<size_t>(num_pixels * kPointsPerPixelGroup /
+                          MinNumPixels(options, cameras.size()));
   const size_t num_map_bytes =
       options.use_cache
           ? num_pixels + static_cast<size_t>(options.cache_size * kBytesPerGb)

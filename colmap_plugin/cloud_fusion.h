@@ -12,13 +12,14 @@
 
 namespace structnerf {
 
-// StereoFusion's min_num_pixels for so many views: one in ten, at least 2 and
-// at most COLMAP's default of 5. That default leaves the clouds of few views
-// nearly empty; pixels of geometric maps are confirmed by other views already.
-int DefaultMinNumPixels(size_t num_views);
+// StereoFusion's min_num_pixels; 0 stands for one in ten of the views, at least
+// 2 and at most COLMAP's default of 5. That default leaves the clouds of few
+// views nearly empty; pixels of geometric maps are confirmed by other views
+// already.
+int MinNumPixels(const colmap::mvs::StereoFusionOptions& options,
+                 size_t num_views);
 
-// Bytes that COLMAP's fusion needs at its peak for these views. A
-// min_num_pixels of 0 stands for DefaultMinNumPixels.
+// Bytes that COLMAP's fusion needs at its peak for these views.
 size_t EstimateFusionMemory(const colmap::mvs::StereoFusionOptions& options,
                             const std::vector<PinholeCamera>& cameras);
 

@@ -451,9 +451,8 @@ void StructNerfController::CheckConsistency() {
 void StructNerfController::FusePoints() {
   BeginStage("Fusing points");
   colmap::mvs::StereoFusionOptions fusion_options = options_.fusion;
-  if (fusion_options.min_num_pixels == 0) {
-    fusion_options.min_num_pixels = DefaultMinNumPixels(image_names_.size());
-  }
+  fusion_options.min_num_pixels =
+      MinNumPixels(fusion_options, image_names_.size());
   report_.fusion_min_num_pixels = fusion_options.min_num_pixels;
   // As of now: COLMAP's threads end the process where memory fails them.
   const size_t limit =

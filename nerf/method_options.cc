@@ -35,6 +35,12 @@ std::vector<OptionEntry> FieldEntries(FieldOptions* field) {
        "Width of the hidden layers {16, 32, 48, 64}",
        16,
        64},
+      {"StructNeRF.direction_degree",
+       &field->direction_degree,
+       "Degree of harmonics by which colour depends on the direction of view; "
+       "0 = not",
+       0,
+       2},
       {"StructNeRF.mlp_num_layers",
        &field->mlp_num_layers,
        "Layers before density, mlp (paper: 8)",

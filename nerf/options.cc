@@ -87,6 +87,7 @@ bool FieldOptions::Check(std::string* error) const {
       .InOrFromScene("max_resolution", max_resolution, min_resolution, 65536)
       .In("hidden_width", hidden_width, 16, 64)
       .Require(hidden_width % 16 == 0, "hidden_width must be a multiple of 16")
+      .In("direction_degree", direction_degree, 0, 2)
       .In("mlp_num_layers", mlp_num_layers, 1, 32)
       .In("mlp_width", mlp_width, 2, 1024)
       .Require(mlp_width % 2 == 0, "mlp_width must be even")

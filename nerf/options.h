@@ -35,6 +35,11 @@ struct FieldOptions {
   // Width of the hidden layers: 16, 32, 48 or 64.
   int hidden_width = 32;
 
+  // With "grid", the highest degree of the spherical harmonics of the viewing
+  // direction that colour depends on, 0 to 2; 0 = colour is the same from all
+  // sides.
+  int direction_degree = 2;
+
   // Layers of each of NeRF's networks before density, and their width (NeRF: 8
   // and 256).
   int mlp_num_layers = 8;

@@ -305,6 +305,7 @@ class DeviceEngine : public GridEngine {
         EncodeDirection(
             rays,
             ray,
+            layout_.num_harmonics,
             host_.direction.data() + (first + ray) * kDirectionWidth);
       }
     });

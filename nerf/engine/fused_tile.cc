@@ -14,6 +14,7 @@ FusedTile::FusedTile(const FieldLayout& layout,
     : sampling_(sampling),
       min_color_weight_(min_color_weight),
       thread_(thread),
+      num_harmonics_(layout.num_harmonics),
       network_(layout, kMaxTileRays, kMaxTileRays * sampling.num_samples),
       edges_(kMaxTileRays * (sampling.num_samples + 1)),
       ray_color_(kMaxTileRays * kRayColorWidth),
@@ -94,8 +95,10 @@ void FusedTile::ForwardColor(const FusedField& field,
       active_rays_[num_active_] = ray;
       num_active_ += weight_[s] >= min_color_weight_;
     }
-    EncodeDirection(
-        rays, ray, network_.direction.data() + ray * kDirectionWidth);
+    EncodeDirection(rays,
+                    ray,
+                    num_harmonics_,
+                    network_.direction.data() + ray * kDirectionWidth);
   }
   field.network.ForwardColor(
       {active_samples_.data(), active_rays_.data(), num_active_},

@@ -91,6 +91,7 @@ class FusedTile {
   const RaySamplingParameters sampling_;
   const float min_color_weight_;
   const int thread_;
+  const int num_harmonics_;
   StageClock clock_;
   WorkCounts work_;
 

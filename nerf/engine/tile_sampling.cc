@@ -58,22 +58,25 @@ void SampleTile(const RayTile& rays,
   }
 }
 
-void EncodeDirection(const RayTile& rays, const int ray, float* encoding) {
+void EncodeDirection(const RayTile& rays,
+                     const int ray,
+                     const int num_harmonics,
+                     float* encoding) {
   const float inverse_norm = 1.0f / rays.direction_norm[ray];
   const float x = rays.direction[0][ray] * inverse_norm;
   const float y = rays.direction[1][ray] * inverse_norm;
   const float z = rays.direction[2][ray] * inverse_norm;
-  const float harmonics[kNumHarmonics] = {0.28209479f,
-                                          0.48860251f * y,
-                                          0.48860251f * z,
-                                          0.48860251f * x,
-                                          1.09254843f * x * y,
-                                          1.09254843f * y * z,
-                                          0.31539157f * (3 * z * z - 1),
-                                          1.09254843f * x * z,
-                                          0.54627422f * (x * x - y * y)};
-  std::copy(harmonics, harmonics + kNumHarmonics, encoding);
-  std::fill(encoding + kNumHarmonics, encoding + kDirectionWidth, 0.0f);
+  const float harmonics[kMaxNumHarmonics] = {0.28209479f,
+                                             0.48860251f * y,
+                                             0.48860251f * z,
+                                             0.48860251f * x,
+                                             1.09254843f * x * y,
+                                             1.09254843f * y * z,
+                                             0.31539157f * (3 * z * z - 1),
+                                             1.09254843f * x * z,
+                                             0.54627422f * (x * x - y * y)};
+  std::copy(harmonics, harmonics + num_harmonics, encoding);
+  std::fill(encoding + num_harmonics, encoding + kDirectionWidth, 0.0f);
 }
 
 }  // namespace structnerf

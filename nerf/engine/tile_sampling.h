@@ -28,8 +28,12 @@ void SampleTile(const RayTile& rays,
                 float* y,
                 float* z);
 
-// Spherical harmonics of degrees 0 to 2 of a ray's direction, padded with zeros
-// to kDirectionWidth. (Real basis, orthonormal on the sphere.)
-void EncodeDirection(const RayTile& rays, int ray, float* encoding);
+// The first spherical harmonics of a ray's direction, at most
+// kMaxNumHarmonics, in the order of their degree and padded with zeros to
+// kDirectionWidth. (Real basis, orthonormal on the sphere.)
+void EncodeDirection(const RayTile& rays,
+                     int ray,
+                     int num_harmonics,
+                     float* encoding);
 
 }  // namespace structnerf

@@ -28,6 +28,7 @@ struct SampleBatch {
 void AppendTile(const RayTile& rays,
                 const DensityCache& cache,
                 const RaySamplingParameters& sampling,
+                const int num_harmonics,
                 Random* random,
                 SampleBatch* batch) {
   const size_t n = sampling.num_samples;
@@ -50,6 +51,7 @@ void AppendTile(const RayTile& rays,
     EncodeDirection(
         rays,
         ray,
+        num_harmonics,
         batch->direction.data() + (first_ray + ray) * kDirectionWidth);
     batch->ray_length.push_back(rays.direction_norm[ray]);
   }
@@ -92,7 +94,8 @@ class TorchEngine : public GridEngine {
       RayTile rays;
       objective.DrawRays(step.step, tile, &rays);
       Random random(options_.seed, step.step, tile);
-      AppendTile(rays, cache_, sampling_, &random, &batch);
+      AppendTile(
+          rays, cache_, sampling_, layout_.num_harmonics, &random, &batch);
       num_tile_rays.push_back(rays.num_rays);
     }
     if (batch.num_rays == 0) {
@@ -214,7 +217,12 @@ class TorchEngine : public GridEngine {
       const size_t end = std::min(tiles.size(), begin + kRenderTiles);
       SampleBatch batch;
       for (size_t tile = begin; tile < end; ++tile) {
-        AppendTile(tiles[tile], cache_, sampling_, nullptr, &batch);
+        AppendTile(tiles[tile],
+                   cache_,
+                   sampling_,
+                   layout_.num_harmonics,
+                   nullptr,
+                   &batch);
       }
       if (batch.num_rays == 0) {
         continue;

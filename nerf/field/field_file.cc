@@ -12,7 +12,7 @@ namespace structnerf {
 namespace {
 
 constexpr FileFormat kFormat = {
-    {'S', 'N', 'F', 'I', 'E', 'L', 'D', '\0'}, /*version=*/3, "trained field"};
+    {'S', 'N', 'F', 'I', 'E', 'L', 'D', '\0'}, /*version=*/4, "trained field"};
 
 // Of the field; without padding, so that bytes can be compared.
 struct Shape {
@@ -27,7 +27,7 @@ struct Shape {
   int32_t mlp_width;
   int32_t latent_size;
   float extent[3];
-  uint32_t reserved;
+  int32_t direction_degree;
 };
 static_assert(sizeof(Shape) == 2 * 8 + 12 * 4);
 
@@ -50,6 +50,7 @@ Shape MakeShape(const FieldOptions& options, const Eigen::Vector3f& extent) {
   shape.min_resolution = options.min_resolution;
   shape.max_resolution = options.max_resolution;
   shape.hidden_width = options.hidden_width;
+  shape.direction_degree = options.direction_degree;
   return shape;
 }
 

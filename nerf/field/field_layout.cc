@@ -72,6 +72,8 @@ FieldLayout::FieldLayout(const FieldOptions& options,
   }
   encoding_width = (num_levels * kGridFeatures + 15) / 16 * 16;
   hidden_width = options.hidden_width;
+  num_harmonics =
+      (options.direction_degree + 1) * (options.direction_degree + 1);
   density_hidden =
       AddLayer(encoding_width, hidden_width, &num_network_parameters);
   density_output =

@@ -19,10 +19,10 @@ constexpr int kGridFeatures = 8;
 // are inputs of the colour network.
 constexpr int kGeometryWidth = 16;
 
-// Spherical harmonics of the viewing direction up to degree 2 are 9 numbers;
-// they are padded with zeros.
+// Spherical harmonics of the viewing direction are padded with zeros; up to
+// degree 2 there are 9.
 constexpr int kDirectionWidth = 16;
-constexpr int kNumHarmonics = 9;
+constexpr int kMaxNumHarmonics = 9;
 
 constexpr int kColorInputWidth = kGeometryWidth + kDirectionWidth;
 
@@ -62,6 +62,9 @@ struct FieldLayout {
   // of 16.
   int encoding_width = 0;
   int hidden_width = 0;
+
+  // Numbers of the direction's encoding that are not padding.
+  int num_harmonics = 0;
 
   LayerLayout density_hidden;
   LayerLayout density_output;

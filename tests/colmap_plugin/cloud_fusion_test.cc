@@ -220,12 +220,16 @@ TEST(EmptyCloudText, OffersWhatCanHelp) {
   EXPECT_THAT(photometric, Not(HasSubstr("--")));
 }
 
-TEST(DefaultMinNumPixels, GrowsWithTheViewsUpToColmapsDefault) {
-  EXPECT_EQ(DefaultMinNumPixels(2), 2);
-  EXPECT_EQ(DefaultMinNumPixels(29), 2);
-  EXPECT_EQ(DefaultMinNumPixels(30), 3);
-  EXPECT_EQ(DefaultMinNumPixels(50), 5);
-  EXPECT_EQ(DefaultMinNumPixels(1000), 5);
+TEST(MinNumPixels, GrowsWithTheViewsUpToColmapsDefault) {
+  colmap::mvs::StereoFusionOptions options;
+  options.min_num_pixels = 0;
+  EXPECT_EQ(MinNumPixels(options, 2), 2);
+  EXPECT_EQ(MinNumPixels(options, 29), 2);
+  EXPECT_EQ(MinNumPixels(options, 30), 3);
+  EXPECT_EQ(MinNumPixels(options, 50), 5);
+  EXPECT_EQ(MinNumPixels(options, 1000), 5);
+  options.min_num_pixels = 7;
+  EXPECT_EQ(MinNumPixels(options, 50), 7);
 }
 
 TEST(EstimateFusionMemory, MorePixelsPerPointMakeFewerPoints) {

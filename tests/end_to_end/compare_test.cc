@@ -2,6 +2,7 @@
 // PatchMatch leaves it.
 
 #include "tests/colmap_plugin/tiny_model.h"
+#include "tests/end_to_end/json_files.h"
 #include "tests/end_to_end/run_program.h"
 #include "tests/support/temp_dir.h"
 
@@ -10,7 +11,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
 namespace structnerf {
@@ -67,8 +67,7 @@ TEST_F(CompareTest, NeedsNothingOfOursFromOneOfThem) {
   ASSERT_EQ(result.exit_code, 0) << result.error;
   EXPECT_THAT(result.out, HasSubstr("100.0 % agree within 1 %"));
   EXPECT_THAT(result.out, HasSubstr("comparison.html"));
-  const auto json =
-      nlohmann::json::parse(std::ifstream(Page() + "/comparison.json"));
+  const auto json = ReadJson(Page() + "/comparison.json");
   EXPECT_EQ(json["agreement"]["median_relative_difference"], 0);
   EXPECT_EQ(json["views"].size(), 3);
   const auto& ours = json["workspaces"][0];

@@ -1,5 +1,6 @@
 // Evaluation of a workspace as a user calls it.
 
+#include "tests/end_to_end/json_files.h"
 #include "tests/end_to_end/room_run.h"
 
 #include <algorithm>
@@ -9,7 +10,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 #include <torch/script.h>
 
 namespace structnerf {
@@ -20,11 +20,6 @@ namespace fs = std::filesystem;
 using testing::HasSubstr;
 using testing::Not;
 using testing::UnorderedElementsAre;
-
-nlohmann::json ReadJson(const std::string& path) {
-  std::ifstream file(path);
-  return nlohmann::json::parse(file);
-}
 
 // A short run on a small room that keeps every fourth view out.
 class EvalTest : public RoomRunTest {
@@ -84,8 +79,7 @@ TEST_F(EvalTest, MeasuresDepthCloudAndHeldOutImages) {
   EXPECT_EQ(held_out["depth"]["image_scale"]["all"]["completeness"],
             held_out["depth"]["predictions_scale"]["all"]["completeness"]);
   // Training measured the same images, reduced.
-  const double training_psnr = ReadJson(
-      Dense() + "/structnerf/report.json")["training"]["held_out_psnr"];
+  const double training_psnr = ReadReport(Dense())["training"]["held_out_psnr"];
   EXPECT_NEAR(held_out["psnr"], training_psnr, 2.5);
 }
 

@@ -11,6 +11,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <set>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -22,6 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 using testing::HasSubstr;
+using testing::IsSupersetOf;
 using testing::Not;
 
 class FaultTest : public ResumedRunTest {
@@ -39,6 +41,26 @@ class FaultTest : public ResumedRunTest {
     EXPECT_EQ(
         std::count(result.error.begin() + begin, result.error.end(), '\n'), 1)
         << result.error;
+  }
+
+  // The stage whose name was printed last.
+  static std::string LastStage(const std::string& output) {
+    std::string last;
+    size_t last_begin = 0;
+    for (const std::string stage : {"Undistorting",
+                                    "Loading",
+                                    "Training",
+                                    "Rendering",
+                                    "Completing",
+                                    "Checking",
+                                    "Fusing"}) {
+      const size_t begin = output.rfind(stage);
+      if (begin != std::string::npos && begin >= last_begin) {
+        last = stage;
+        last_begin = begin;
+      }
+    }
+    return last;
   }
 
   // Trains to the end, but renders nothing.
@@ -112,6 +134,37 @@ TEST_F(FaultTest, FileSystemThatFillsUp) {
   EXPECT_EQ(
       mount("none", disk.c_str(), nullptr, MS_REMOUNT | MS_RDONLY, nullptr), 0);
   ExpectError(Command({}, "disk/dense"), "cannot be written");
+  EXPECT_EQ(umount(disk.c_str()), 0);
+}
+
+// A file system that can hold a little more each time, so that it is full in
+// every stage; what was done before need not be done again.
+TEST_F(FaultTest, FileSystemThatGrows) {
+  const std::string disk = temp_dir_ / "disk";
+  fs::create_directory(disk);
+  if (mount("none", disk.c_str(), "tmpfs", 0, "size=20k") != 0) {
+    GTEST_SKIP() << "cannot mount a file system: " << std::strerror(errno);
+  }
+  std::set<std::string> stages;
+  size_t size = 20;
+  while (true) {
+    SCOPED_TRACE(size);
+    ASSERT_LT(size, 100000u);
+    const ProgramResult result = RunProgram(Command({}, "disk/dense"));
+    if (result.exit_code == 0) {
+      break;
+    }
+    ExpectError(result, "full");
+    stages.insert(LastStage(result.error));
+    size += 4 * (1 + size / 100);
+    const std::string option = "size=" + std::to_string(size) + "k";
+    ASSERT_EQ(mount("none", disk.c_str(), nullptr, MS_REMOUNT, option.c_str()),
+              0);
+  }
+  EXPECT_TRUE(ReadResult("disk/dense") == expected_);
+  EXPECT_THAT(
+      stages,
+      IsSupersetOf({"Undistorting", "Training", "Rendering", "Fusing"}));
   EXPECT_EQ(umount(disk.c_str()), 0);
 }
 

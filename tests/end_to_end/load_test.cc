@@ -1,14 +1,13 @@
 // Many runs side by side.
 
+#include "tests/end_to_end/json_files.h"
 #include "tests/end_to_end/resumed_run.h"
 
-#include <fstream>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
 namespace structnerf {
 namespace {
@@ -28,8 +27,7 @@ TEST_F(LoadTest, TenRunsSideBySideWithinTheirMemoryLimits) {
     const ProgramResult result = programs[run]->Wait();
     ASSERT_EQ(result.exit_code, 0) << result.error;
     EXPECT_TRUE(ReadResult(output) == expected_);
-    std::ifstream file(temp_dir_ / output + "/structnerf/report.json");
-    const auto memory = nlohmann::json::parse(file)["memory"];
+    const auto memory = ReadReport(temp_dir_ / output)["memory"];
     EXPECT_LE(memory["peak_bytes"].get<size_t>(),
               memory["limit_bytes"].get<size_t>());
   }

@@ -1,14 +1,13 @@
 // The paper's methods as a user calls them.
 
 #include "tests/colmap_plugin/tiny_model.h"
+#include "tests/end_to_end/json_files.h"
 #include "tests/end_to_end/room_run.h"
 
 #include <filesystem>
-#include <fstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 #include <torch/script.h>
 
 namespace structnerf {
@@ -18,11 +17,6 @@ namespace fs = std::filesystem;
 
 using testing::HasSubstr;
 using testing::Not;
-
-nlohmann::json ReportOf(const std::string& workspace_path) {
-  std::ifstream file(workspace_path + "/structnerf/report.json");
-  return nlohmann::json::parse(file);
-}
 
 // Its first run makes the depth maps that others take as priors.
 class MethodsTest : public RoomRunTest {
@@ -66,7 +60,7 @@ TEST_F(MethodsTest, PriorsOfAFolder) {
     EXPECT_THAT(result.error,
                 HasSubstr("image frame_0002.png has no geometric depth map"));
     EXPECT_THAT(result.error, Not(HasSubstr("frame_0001.png")));
-    const nlohmann::json training = ReportOf(output_path)["training"];
+    const nlohmann::json training = ReadReport(output_path)["training"];
     EXPECT_EQ(training["guards"]["view_without_prior"], 1);
     EXPECT_EQ(training["guards"].contains("inverted_ray_bounds"),
               method == "nerfing_mvs");
@@ -87,7 +81,7 @@ TEST_F(MethodsTest, PriorsOfAModule) {
                                        {"--StructNeRF.method=dense_depth_prior",
                                         "--StructNeRF.prior_path=" + path});
   ASSERT_EQ(result.exit_code, 0) << result.error;
-  EXPECT_EQ(ReportOf(output_path)["training"]["guards"]["view_without_prior"],
+  EXPECT_EQ(ReadReport(output_path)["training"]["guards"]["view_without_prior"],
             0);
 }
 
@@ -117,7 +111,7 @@ TEST_F(MethodsTest, ThePaperItself) {
                                             "--StructNeRF.num_fine_samples=8",
                                             "--StructNeRF.latent_size=48"});
   ASSERT_EQ(trained.exit_code, 0) << trained.error;
-  const nlohmann::json report = ReportOf(dense);
+  const nlohmann::json report = ReadReport(dense);
   EXPECT_EQ(report["options"]["StructNeRF.field"], "mlp");
   EXPECT_EQ(report["options"]["StructNeRF.mlp_width"], 256);
   // Two networks of 8 layers of 256 with NeRF's heads, and the codes.

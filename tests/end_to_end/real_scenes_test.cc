@@ -1,15 +1,14 @@
 // Real photographs against depth sensors. The data lies beside the checkout and
 // is not part of it; the tests say that they were skipped when it is not there.
 
+#include "tests/end_to_end/json_files.h"
 #include "tests/end_to_end/run_program.h"
 #include "tests/support/temp_dir.h"
 
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
 namespace structnerf {
 namespace {
@@ -58,15 +57,13 @@ TEST_P(RealSceneTest, DepthIsGoodAtDefaultQuality) {
       "' --workspace '" + temp_dir / "dense" + "' --type photometric --json '" +
       scores_path + "'";
   ASSERT_EQ(std::system(command.c_str()), 0);
-  std::ifstream file(scores_path);
   const double share =
-      nlohmann::json::parse(file)["maps"]["sfm_scale"]["all"]["within_5cm"];
+      ReadJson(scores_path)["maps"]["sfm_scale"]["all"]["within_5cm"];
   RecordProperty("within_5cm", std::to_string(share));
   EXPECT_GE(share, GetParam().min_share_within_5cm);
 
   // The cloud shows the room: it has points on what most views see.
-  std::ifstream report(temp_dir / "dense/structnerf/report.json");
-  EXPECT_GT(nlohmann::json::parse(report)["fusion"]["points"], 50000);
+  EXPECT_GT(ReadReport(temp_dir / "dense")["fusion"]["points"], 50000);
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes,

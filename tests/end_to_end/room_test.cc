@@ -1,5 +1,6 @@
 // The embedded example from the sparse model to the mesh, against its truth.
 
+#include "tests/end_to_end/json_files.h"
 #include "tests/end_to_end/run_program.h"
 #include "tests/support/synthetic_room.h"
 #include "tests/support/synthetic_room_writer.h"
@@ -8,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 
 #include <colmap/mvs/depth_map.h>
@@ -17,7 +17,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
 namespace structnerf {
 namespace {
@@ -111,8 +110,7 @@ TEST_F(RoomTest, WritesAWholeWorkspace) {
 }
 
 TEST_F(RoomTest, TellsWhatTheSceneDecided) {
-  std::ifstream file(Dense() + "/structnerf/report.json");
-  const nlohmann::json report = nlohmann::json::parse(file);
+  const nlohmann::json report = ReadReport(Dense());
   std::vector<std::string> subjects;
   for (const nlohmann::json& decision : report["scene"]["decisions"]) {
     subjects.push_back(decision["subject"]);
@@ -172,8 +170,7 @@ TEST_F(RoomTest, TellsAPersonWhatHappens) {
 
 // That nothing had to be guarded against is worth knowing, too.
 TEST_F(RoomTest, ReportCountsGuards) {
-  std::ifstream file(Dense() + "/structnerf/report.json");
-  const nlohmann::json report = nlohmann::json::parse(file);
+  const nlohmann::json report = ReadReport(Dense());
   const nlohmann::json& guards = report["training"]["guards"];
   for (const char* name : {"non_finite_gradient",
                            "non_finite_loss",
@@ -192,8 +189,7 @@ TEST_F(RoomTest, DepthAndNormalsAreThoseOfTheRoom) {
   size_t num_geometric = 0;
   std::vector<double> depth_errors;
   std::vector<double> normal_errors;
-  std::ifstream file(Dense() + "/structnerf/report.json");
-  const nlohmann::json report = nlohmann::json::parse(file);
+  const nlohmann::json report = ReadReport(Dense());
   for (size_t i = 0; i < room_->images.size(); ++i) {
     const RoomTruth truth = CastTruth(*room_, i, PixelPoint::kInteger);
     const SyntheticCamera& camera = room_->cameras[room_->images[i].camera_idx];
@@ -360,8 +356,7 @@ TEST_F(RoomTest, RunsAgainOnItsWorkspaceOnlyWhenAllowed) {
 }
 
 TEST_F(RoomTest, NeedsTheMemoryThatWasExpected) {
-  std::ifstream file(Dense() + "/structnerf/report.json");
-  const nlohmann::json memory = nlohmann::json::parse(file)["memory"];
+  const nlohmann::json memory = ReadReport(Dense())["memory"];
   const auto peak = memory["peak_bytes"].get<double>();
   EXPECT_NEAR(memory["expected_bytes"].get<double>(), peak, 0.2 * peak);
 }
@@ -379,8 +374,7 @@ TEST_F(RoomTest, StaysWithinItsMemory) {
                                            "1",
                                            "--StructNeRF.max_memory_gb=0.35"});
   ASSERT_EQ(result.exit_code, 0) << result.error;
-  std::ifstream file(*temp_dir_ / "small/structnerf/report.json");
-  const nlohmann::json report = nlohmann::json::parse(file);
+  const nlohmann::json report = ReadReport(*temp_dir_ / "small");
   EXPECT_LE(report["memory"]["peak_bytes"], report["memory"]["limit_bytes"]);
 }
 

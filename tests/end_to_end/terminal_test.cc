@@ -1,6 +1,7 @@
 // What a person at a terminal sees, and what Ctrl-C does.
 
 #include "tests/colmap_plugin/tiny_model.h"
+#include "tests/end_to_end/json_files.h"
 #include "tests/end_to_end/run_program.h"
 #include "tests/support/temp_dir.h"
 
@@ -8,13 +9,11 @@
 #include <chrono>
 #include <csignal>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
 namespace structnerf {
 namespace {
@@ -65,8 +64,7 @@ TEST_F(TerminalTest, CtrlCOnceStopsTrainingAndWritesMaps) {
   EXPECT_THAT(result.out, HasSubstr("stopped early"));
   EXPECT_TRUE(std::filesystem::exists(
       temp_dir_ / "dense/stereo/depth_maps/2.png.geometric.bin"));
-  std::ifstream report(temp_dir_ / "dense/structnerf/report.json");
-  EXPECT_EQ(nlohmann::json::parse(report)["training"]["stopped_early"], true);
+  EXPECT_EQ(ReadReport(temp_dir_ / "dense")["training"]["stopped_early"], true);
 }
 
 TEST_F(TerminalTest, CtrlCTwiceLeavesTheDiskAsItWas) {

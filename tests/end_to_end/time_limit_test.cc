@@ -1,14 +1,13 @@
 // --StructNeRF.max_minutes: a run ends in time, and the quality follows.
 
 #include "tests/colmap_plugin/tiny_model.h"
+#include "tests/end_to_end/json_files.h"
 #include "tests/end_to_end/run_program.h"
 #include "tests/support/temp_dir.h"
 
 #include <chrono>
-#include <fstream>
 
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
 namespace structnerf {
 namespace {
@@ -49,8 +48,7 @@ TEST_F(TimeLimitTest, ARunWithTooManyStepsEndsInTime) {
   // All steps take minutes. What is not training may take longer than thought
   // on a busy machine.
   EXPECT_LT(seconds, 20);
-  const auto report = nlohmann::json::parse(
-      std::ifstream(temp_dir_ / "dense/structnerf/report.json"));
+  const auto report = ReadReport(temp_dir_ / "dense");
   EXPECT_GT(report["training"]["steps"], 10);
   EXPECT_LT(report["training"]["steps"], 100000);
   EXPECT_FALSE(report["training"]["stopped_early"]);

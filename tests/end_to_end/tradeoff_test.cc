@@ -1,15 +1,14 @@
 // structnerf_tradeoff on a tiny scene.
 
 #include "tests/colmap_plugin/tiny_model.h"
+#include "tests/end_to_end/json_files.h"
 #include "tests/end_to_end/run_program.h"
 #include "tests/support/temp_dir.h"
 
 #include <filesystem>
-#include <fstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
 namespace structnerf {
 namespace {
@@ -49,8 +48,7 @@ TEST_F(TradeoffTest, MeasuresEverySettingOnce) {
   ASSERT_EQ(result.exit_code, 0) << result.error;
   EXPECT_THAT(result.out, HasSubstr("num_steps=60, seed 1: "));
   EXPECT_THAT(result.out, HasSubstr("Take quality=low num_steps="));
-  const auto object = nlohmann::json::parse(
-      std::ifstream(temp_dir_ / "tradeoff/tradeoff.json"));
+  const auto object = ReadJson(temp_dir_ / "tradeoff/tradeoff.json");
   ASSERT_EQ(object["settings"].size(), 2u);
   for (const auto& setting : object["settings"]) {
     ASSERT_EQ(setting["runs"].size(), 2u);

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <vector>
 
 namespace structnerf {
@@ -23,10 +24,26 @@ struct Case {
   int hidden_width = 32;
   int num_levels = 4;
   int log2_table_size = 9;
+  int direction_degree = 2;
   float grid_range = 1.0f;
   float initial_density = 5.0f;
   std::vector<float> level_weights;
+  bool with_empty_rays = false;
   uint64_t seed = 0;
+};
+
+// Of whose rays every third ends where it begins, so that all of its intervals
+// have length zero.
+class EmptyRaysObjective : public RandomObjective {
+ public:
+  using RandomObjective::RandomObjective;
+
+  void DrawRays(const int step, const int tile, RayTile* rays) override {
+    RandomObjective::DrawRays(step, tile, rays);
+    for (int ray = 0; ray < rays->num_rays; ray += 3) {
+      rays->far[ray] = rays->near[ray];
+    }
+  }
 };
 
 double Norm(const std::vector<float>& values,
@@ -46,6 +63,7 @@ EngineOptions MakeOptions(const Case& test_case) {
   options.field.min_resolution = 4;
   options.field.max_resolution = 64;
   options.field.hidden_width = test_case.hidden_width;
+  options.field.direction_degree = test_case.direction_degree;
   options.sampling.num_bins = 32;
   options.sampling.num_samples = test_case.num_samples;
   options.sampling.cache_resolution = 16;
@@ -69,9 +87,16 @@ StepResult RunStep(const Case& test_case,
   step.num_tiles = kNumTiles;
   step.level_weights = test_case.level_weights;
   engine->SetParameters(parameters);
+  std::vector<std::unique_ptr<TileObjective>> objectives =
+      RandomObjectives(*engine, test_case.seed, kTileRays);
+  if (test_case.with_empty_rays) {
+    for (std::unique_ptr<TileObjective>& objective : objectives) {
+      objective =
+          std::make_unique<EmptyRaysObjective>(test_case.seed, kTileRays);
+    }
+  }
   StepResult result;
-  result.losses = engine->Accumulate(
-      step, RandomObjectives(*engine, test_case.seed, kTileRays));
+  result.losses = engine->Accumulate(step, objectives);
   result.gradients = engine->Gradients();
   return result;
 }
@@ -183,9 +208,30 @@ TEST_P(GradientsTest, HiddenWidths) {
 
 TEST_P(GradientsTest, LevelCounts) {
   Case test_case;
-  for (int num_levels = 1; num_levels <= 8; ++num_levels) {
+  for (const int num_levels : {1, 2, 3, 4, 5, 6, 7, 8, 11, 16}) {
     SCOPED_TRACE(num_levels);
     test_case.num_levels = num_levels;
+    ++test_case.seed;
+    ExpectSameGradients(test_case);
+  }
+}
+
+TEST_P(GradientsTest, DirectionDegrees) {
+  Case test_case;
+  for (const int degree : {0, 1}) {
+    SCOPED_TRACE(degree);
+    test_case.direction_degree = degree;
+    ++test_case.seed;
+    ExpectSameGradients(test_case);
+  }
+}
+
+TEST_P(GradientsTest, RaysWithoutLength) {
+  Case test_case;
+  test_case.with_empty_rays = true;
+  for (const int num_samples : {1, 16}) {
+    SCOPED_TRACE(num_samples);
+    test_case.num_samples = num_samples;
     ++test_case.seed;
     ExpectSameGradients(test_case);
   }
@@ -199,7 +245,7 @@ TEST_P(GradientsTest, Seeds) {
     test_case.seed = 100 + seed;
     test_case.num_samples = 1 + random.NextBelow(64);
     test_case.hidden_width = 16 * (1 + random.NextBelow(4));
-    test_case.num_levels = 1 + random.NextBelow(8);
+    test_case.num_levels = 1 + random.NextBelow(16);
     test_case.log2_table_size = 6 + random.NextBelow(9);
     ExpectSameGradients(test_case);
   }

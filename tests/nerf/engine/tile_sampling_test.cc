@@ -112,7 +112,7 @@ TEST(TileSampling, DirectionsAreEncodedInAnOrthonormalBasis) {
       rays.direction[2][0] = static_cast<float>(kNorm * cosine);
       rays.direction_norm[0] = kNorm;
       float encoding[kDirectionWidth];
-      EncodeDirection(rays, 0, encoding);
+      EncodeDirection(rays, 0, kMaxNumHarmonics, encoding);
       for (int a = 0; a < kDirectionWidth; ++a) {
         for (int b = 0; b < kDirectionWidth; ++b) {
           product[a * kDirectionWidth + b] +=
@@ -124,8 +124,21 @@ TEST(TileSampling, DirectionsAreEncodedInAnOrthonormalBasis) {
   for (int a = 0; a < kDirectionWidth; ++a) {
     for (int b = 0; b < kDirectionWidth; ++b) {
       EXPECT_NEAR(product[a * kDirectionWidth + b],
-                  a == b && a < kNumHarmonics ? 1 : 0,
+                  a == b && a < kMaxNumHarmonics ? 1 : 0,
                   1e-3);
+    }
+  }
+}
+
+TEST(TileSampling, HarmonicsOfHigherDegreesAreLeftOut) {
+  const RayTile rays = RandomRays(4, 0, 0, 1);
+  float all[kDirectionWidth];
+  EncodeDirection(rays, 0, kMaxNumHarmonics, all);
+  for (const int num_harmonics : {1, 4}) {
+    float some[kDirectionWidth];
+    EncodeDirection(rays, 0, num_harmonics, some);
+    for (int i = 0; i < kDirectionWidth; ++i) {
+      EXPECT_EQ(some[i], i < num_harmonics ? all[i] : 0.0f);
     }
   }
 }

@@ -174,6 +174,9 @@ TEST_F(FieldFileTest, OtherOptionsOrBoxesAreRefused) {
   options = SmallOptions();
   options.hidden_width = 32;
   expect_refused(options, kExtent);
+  options = SmallOptions();
+  options.direction_degree = 1;
+  expect_refused(options, kExtent);
   expect_refused(SmallOptions(), {1.0f, 0.75f, 0.61f});
   EXPECT_EQ(ReadError(), "");
 }
