@@ -5,12 +5,6 @@
 #include <algorithm>
 
 namespace structnerf {
-namespace {
-
-// Of the whole training, or of the time given.
-constexpr double kMinTrainingShare = 0.25;
-
-}  // namespace
 
 TimeBudget::TimeBudget(const double max_minutes)
     : max_seconds_(60 * max_minutes),

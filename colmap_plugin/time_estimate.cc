@@ -21,9 +21,6 @@ constexpr double kDensityCache = 2.0;
 // ... and that one thread does.
 constexpr double kPerCheckedPixel = 0.4e-6;
 
-// The least share of its training that a quality is chosen with.
-constexpr double kMinTrainingShare = 0.5;
-
 }  // namespace
 
 TimeEstimate EstimateTime(const StructNerfOptions& options,

@@ -18,6 +18,9 @@ struct TimeEstimate {
   double Total() const { return loading + training + rendering + finishing; }
 };
 
+// The least share of its training that a quality is worth running with.
+constexpr double kMinTrainingShare = 0.25;
+
 // What a run will roughly take on this machine with nothing else to do: the
 // work that the options ask for, at rates that were measured on a server's core
 // of 2023. `cameras`: of the undistorted images.
@@ -25,7 +28,8 @@ TimeEstimate EstimateTime(const StructNerfOptions& options,
                           const std::vector<PinholeCamera>& cameras);
 
 // The best quality word whose run fits into `options.max_minutes` with at least
-// half of its training; "low" if none does. `slowness`: MeasureSlowness().
+// kMinTrainingShare of its training; "low" if none does. `slowness`:
+// MeasureSlowness().
 std::string QualityForTime(const StructNerfOptions& options,
                            const std::vector<PinholeCamera>& cameras,
                            double slowness);

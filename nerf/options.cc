@@ -212,7 +212,8 @@ ReconstructionOptions QualityPreset(const std::string& quality) {
     options.training.num_steps = 1500;
     options.training.max_image_size = 480;
     options.loss.patch_dilation = 3;
-    options.stereo.num_iterations = 1;
+    options.sampling.num_samples = 32;
+    options.stereo.num_iterations = 4;
   } else if (quality == "high") {
     options.training.num_steps = 6000;
     options.training.max_image_size = 640;
