@@ -58,8 +58,8 @@ RunExpectation RunForecast::Expect(const StructNerfOptions& options) const {
         " steps on images of " + std::to_string(plan.max_image_size) +
         " pixels. Expected: about " +
         DurationText(ExpectedSeconds(planned, cameras_)) + " and " +
-        GbText(plan.expected) + " of memory (limit " + GbText(plan.limit) +
-        ").";
+        BytesText(plan.expected) + " of memory (limit " +
+        BytesText(plan.limit) + ").";
     if (!plan.note.empty()) {
       expectation.text += " " + plan.note;
     }

@@ -102,9 +102,9 @@ MemoryPlan PlanMemory(const StructNerfOptions& options,
     }
     if (image_size <= kMinTrainingImageSize) {
       throw std::runtime_error(
-          "The run needs about " + GbText(needed_bytes) +
+          "The run needs about " + BytesText(needed_bytes) +
           " of memory even with the smallest images, but is limited to " +
-          GbText(plan.limit) +
+          BytesText(plan.limit) +
           "; raise --StructNeRF.max_memory_gb, or `ulimit -v` if it is set.");
     }
     image_size = std::max(kMinTrainingImageSize, image_size * 3 / 4);
@@ -113,7 +113,7 @@ MemoryPlan PlanMemory(const StructNerfOptions& options,
   if (image_size != wanted_image_size) {
     plan.note = "Images are reduced to " + std::to_string(image_size) +
                 " instead of " + std::to_string(wanted_image_size) +
-                " pixels to stay within " + GbText(plan.limit) +
+                " pixels to stay within " + BytesText(plan.limit) +
                 " of memory (--StructNeRF.max_memory_gb).";
   }
   return plan;
@@ -135,9 +135,9 @@ void CheckDiskSpace(const std::string& output_path,
   std::error_code error;
   const fs::space_info space = fs::space(existing, error);
   if (!error && space.available < needed) {
-    throw std::runtime_error("The results need about " + GbText(needed) +
+    throw std::runtime_error("The results need about " + BytesText(needed) +
                              ", but the disk of " + output_path + " has only " +
-                             GbText(space.available) +
+                             BytesText(space.available) +
                              " left; free some or choose another folder.");
   }
 }

@@ -27,8 +27,10 @@ std::string SizeText(const size_t width, const size_t height) {
   return std::to_string(width) + "x" + std::to_string(height);
 }
 
-std::string GbText(const size_t num_bytes) {
-  return FormatNumber("%.2f GB", num_bytes / kBytesPerGb);
+std::string BytesText(const size_t num_bytes) {
+  const double gigabytes = num_bytes / kBytesPerGb;
+  return gigabytes >= 0.01 ? FormatNumber("%.2f GB", gigabytes)
+                           : FormatNumber("%.2f MB", 1024 * gigabytes);
 }
 
 void WriteTextFile(const std::string& path, const std::string& text) {

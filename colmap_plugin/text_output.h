@@ -15,8 +15,8 @@ std::string FormatNumber(const char* format, double value);
 // "640x480".
 std::string SizeText(size_t width, size_t height);
 
-// "0.25 GB".
-std::string GbText(size_t num_bytes);
+// "0.25 GB"; below 0.01 GB "0.25 MB".
+std::string BytesText(size_t num_bytes);
 
 // Written beside and renamed. Throws std::runtime_error, naming the file, if
 // that fails.
