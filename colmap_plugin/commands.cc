@@ -156,10 +156,13 @@ bool ParseDenseCommand(const std::vector<std::string>& raw_args,
   if (quality_by_time) {
     const auto model = std::make_shared<const colmap::Reconstruction>(
         ReadModel(ModelPath(*command)));
-    const std::string fitting_quality =
+    const QualityChoice choice =
         ChooseQuality(command->options, UndistortedCameras(*model));
     *command = DenseCommand();
-    ParseOptionsOfQuality(args, fitting_quality, command);
+    ParseOptionsOfQuality(args, choice.quality, command);
+    if (FindOption(args, "StructNeRF.stereo_num_iterations", "").empty()) {
+      command->options.reconstruction.stereo.num_iterations = choice.num_sweeps;
+    }
     command->model = model;
   }
   return true;

@@ -2,7 +2,6 @@
 
 #include "colmap_plugin/staged_folder.h"
 #include "colmap_plugin/text_output.h"
-#include "colmap_plugin/time_estimate.h"
 #include "nerf/checkpoint_options.h"
 #include "nerf/engine/machine_speed.h"
 
@@ -18,15 +17,15 @@ constexpr char kFileName[] = "quality";
 
 }  // namespace
 
-std::string ChooseQuality(const StructNerfOptions& options,
-                          const std::vector<PinholeCamera>& cameras) {
+QualityChoice ChooseQuality(const StructNerfOptions& options,
+                            const std::vector<PinholeCamera>& cameras) {
   const std::string notes_path =
       StagedFolder::NotesPathOf(options.ResultPath());
   if (options.resume && HasCheckpoint(notes_path)) {
     std::ifstream file(fs::path(notes_path) / kFileName);
-    std::string quality;
-    if (file >> quality) {
-      return quality;
+    QualityChoice choice;
+    if (file >> choice.quality >> choice.num_sweeps) {
+      return choice;
     }
   }
   static const double slowness =
@@ -35,8 +34,10 @@ std::string ChooseQuality(const StructNerfOptions& options,
 }
 
 void RememberQuality(const std::string& notes_path,
-                     const std::string& quality) {
-  WriteTextFile((fs::path(notes_path) / kFileName).string(), quality + "\n");
+                     const QualityChoice& choice) {
+  WriteTextFile(
+      (fs::path(notes_path) / kFileName).string(),
+      choice.quality + " " + std::to_string(choice.num_sweeps) + "\n");
 }
 
 }  // namespace structnerf

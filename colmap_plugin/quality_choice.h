@@ -1,6 +1,7 @@
 #pragma once
 
 #include "colmap_plugin/structnerf_options.h"
+#include "colmap_plugin/time_estimate.h"
 #include "nerf/scene.h"
 
 #include <string>
@@ -12,12 +13,13 @@ namespace structnerf {
 // one that was remembered by the run it goes on with, if there is one, or the
 // best that fits on this machine as fast as it was when it was first asked for.
 // `cameras`: of the undistorted images.
-std::string ChooseQuality(const StructNerfOptions& options,
-                          const std::vector<PinholeCamera>& cameras);
+QualityChoice ChooseQuality(const StructNerfOptions& options,
+                            const std::vector<PinholeCamera>& cameras);
 
 // Remembers it in a folder for notes (StagedFolder::NotesPath): speeds that are
 // measured differ, and a run can only go on with the options that it began
 // with. Throws std::runtime_error if it cannot be written.
-void RememberQuality(const std::string& notes_path, const std::string& quality);
+void RememberQuality(const std::string& notes_path,
+                     const QualityChoice& choice);
 
 }  // namespace structnerf

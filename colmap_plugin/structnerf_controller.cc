@@ -235,7 +235,9 @@ void StructNerfController::PrepareToResume() {
   journal_ = std::make_unique<FileJournal>(
       journal_path, staged_folder_->Path(), fingerprint);
   if (time_budget_.IsLimited()) {
-    RememberQuality(notes_path, options_.quality);
+    RememberQuality(
+        notes_path,
+        {options_.quality, options_.reconstruction.stereo.num_iterations});
   }
 }
 

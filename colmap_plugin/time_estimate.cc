@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <thread>
 
 namespace structnerf {
@@ -13,7 +14,7 @@ namespace {
 constexpr double kPerSample = 0.55e-6;         // of a training ray
 constexpr double kPerTrainingPixel = 0.8e-6;   // loading, superpixels
 constexpr double kPerRenderedPixel = 0.95e-6;  // of the maps
-constexpr double kPerMatchedPixel = 2.3e-6;    // one sweep of matching
+constexpr double kPerMatchedPixel = 2.8e-6;    // one sweep of matching
 constexpr double kPerCompletedPixel = 0.75e-6;
 constexpr double kPerFusedPixel = 1.0e-6;  // and written
 constexpr double kDensityCache = 2.0;
@@ -57,23 +58,35 @@ TimeEstimate EstimateTime(const StructNerfOptions& options,
   return estimate;
 }
 
-std::string QualityForTime(const StructNerfOptions& options,
-                           const std::vector<PinholeCamera>& cameras,
-                           const double slowness) {
-  StructNerfOptions candidate = options;
-  for (const char* quality : {"extreme", "high", "medium"}) {
-    candidate.reconstruction =
-        ApplyMethod(options.method, QualityPreset(quality));
-    candidate.reconstruction.training.num_threads =
+QualityChoice QualityForTime(const StructNerfOptions& options,
+                             const std::vector<PinholeCamera>& cameras,
+                             const double slowness) {
+  struct Candidate {
+    const char* quality;
+    int max_num_sweeps;
+  };
+  constexpr int kAll = std::numeric_limits<int>::max();
+  StructNerfOptions planned = options;
+  StereoOptions& stereo = planned.reconstruction.stereo;
+  for (const Candidate& candidate : {Candidate{"extreme", kAll},
+                                     Candidate{"high", kAll},
+                                     Candidate{"medium", kAll},
+                                     Candidate{"medium", 1},
+                                     Candidate{"low", kAll}}) {
+    planned.reconstruction =
+        ApplyMethod(options.method, QualityPreset(candidate.quality));
+    planned.reconstruction.training.num_threads =
         options.reconstruction.training.num_threads;
-    const TimeEstimate estimate = EstimateTime(candidate, cameras);
+    stereo.num_iterations =
+        std::min(stereo.num_iterations, candidate.max_num_sweeps);
+    const TimeEstimate estimate = EstimateTime(planned, cameras);
     const double needed =
         estimate.Total() - (1 - kMinTrainingShare) * estimate.training;
     if (slowness * needed <= 60 * options.max_minutes) {
-      return quality;
+      return {candidate.quality, stereo.num_iterations};
     }
   }
-  return "low";
+  return {"low", stereo.num_iterations};
 }
 
 }  // namespace structnerf

@@ -27,11 +27,18 @@ constexpr double kMinTrainingShare = 0.25;
 TimeEstimate EstimateTime(const StructNerfOptions& options,
                           const std::vector<PinholeCamera>& cameras);
 
-// The best quality word whose run fits into `options.max_minutes` with at least
+// A quality word, and the sweeps of matching to run it with
+// (StereoOptions::num_iterations), of which it has more if time allows.
+struct QualityChoice {
+  std::string quality;
+  int num_sweeps = 0;
+};
+
+// The best whose run fits into `options.max_minutes` with at least
 // kMinTrainingShare of its training; "low" if none does. `slowness`:
 // MeasureSlowness().
-std::string QualityForTime(const StructNerfOptions& options,
-                           const std::vector<PinholeCamera>& cameras,
-                           double slowness);
+QualityChoice QualityForTime(const StructNerfOptions& options,
+                             const std::vector<PinholeCamera>& cameras,
+                             double slowness);
 
 }  // namespace structnerf

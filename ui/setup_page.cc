@@ -123,9 +123,11 @@ void SetupPage::ChangeQuality(const QString& quality) {
 void SetupPage::ChangeTimeLimit(const double minutes) {
   options_->max_minutes = minutes;
   if (minutes > 0) {
-    const std::string quality = ChooseQuality(*options_, forecast_->Cameras());
-    quality_->setCurrentText(QString::fromStdString(quality));
+    const QualityChoice choice = ChooseQuality(*options_, forecast_->Cameras());
+    quality_->setCurrentText(QString::fromStdString(choice.quality));
     ChangeQuality(quality_->currentText());
+    options_->reconstruction.stereo.num_iterations = choice.num_sweeps;
+    UpdateExpectation();
   } else {
     UpdateExpectation();
   }

@@ -35,32 +35,34 @@ class QualityChoiceTest : public testing::Test {
 };
 
 TEST_F(QualityChoiceTest, FollowsTheTime) {
-  EXPECT_EQ(ChooseQuality(options_, kCameras), "extreme");
+  EXPECT_EQ(ChooseQuality(options_, kCameras).quality, "extreme");
   options_.max_minutes = 1e-4;
-  EXPECT_EQ(ChooseQuality(options_, kCameras), "low");
+  EXPECT_EQ(ChooseQuality(options_, kCameras).quality, "low");
 }
 
 TEST_F(QualityChoiceTest, ARunGoesOnWithWhatItBeganWith) {
   LeaveCheckpoint();
-  EXPECT_EQ(ChooseQuality(options_, kCameras), "extreme");
-  RememberQuality(StagedFolder::NotesPathOf(options_.output_path), "medium");
-  EXPECT_EQ(ChooseQuality(options_, kCameras), "medium");
+  EXPECT_EQ(ChooseQuality(options_, kCameras).quality, "extreme");
+  RememberQuality(StagedFolder::NotesPathOf(options_.output_path),
+                  {"medium", 1});
+  EXPECT_EQ(ChooseQuality(options_, kCameras).quality, "medium");
+  EXPECT_EQ(ChooseQuality(options_, kCameras).num_sweeps, 1);
   options_.resume = false;
-  EXPECT_EQ(ChooseQuality(options_, kCameras), "extreme");
+  EXPECT_EQ(ChooseQuality(options_, kCameras).quality, "extreme");
 }
 
 TEST_F(QualityChoiceTest, WithoutCheckpointNothingIsRemembered) {
   LeaveCheckpoint();
   const std::string notes_path =
       StagedFolder::NotesPathOf(options_.output_path);
-  RememberQuality(notes_path, "medium");
+  RememberQuality(notes_path, {"medium", 4});
   fs::remove(fs::path(notes_path) / "checkpoint.bin");
-  EXPECT_EQ(ChooseQuality(options_, kCameras), "extreme");
+  EXPECT_EQ(ChooseQuality(options_, kCameras).quality, "extreme");
 }
 
 TEST_F(QualityChoiceTest, AFolderThatIsNotThereIsNamed) {
   try {
-    RememberQuality("/nowhere/at/all", "medium");
+    RememberQuality("/nowhere/at/all", {"medium", 4});
     ADD_FAILURE();
   } catch (const std::runtime_error& error) {
     EXPECT_NE(std::string(error.what()).find("/nowhere/at/all/quality"),

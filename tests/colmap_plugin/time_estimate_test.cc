@@ -53,24 +53,38 @@ TEST(TimeEstimate, IsOfTheRightSize) {
 TEST(QualityForTime, TakesTheBestThatFits) {
   StructNerfOptions options = MakeOptions("medium");
   for (const auto& [minutes, quality] : {std::pair(0.01, "low"),
-                                         std::pair(0.7, "medium"),
+                                         std::pair(0.8, "medium"),
                                          std::pair(1000.0, "extreme")}) {
+    SCOPED_TRACE(minutes);
     options.max_minutes = minutes;
-    EXPECT_EQ(QualityForTime(options, kCameras, 1), quality) << minutes;
+    const QualityChoice choice = QualityForTime(options, kCameras, 1);
+    EXPECT_EQ(choice.quality, quality);
+    EXPECT_EQ(choice.num_sweeps, QualityPreset(quality).stereo.num_iterations);
   }
+}
+
+TEST(QualityForTime, SavesSweepsBeforeItGivesUpMatching) {
+  StructNerfOptions options = MakeOptions("medium");
+  options.max_minutes = 0.5;
+  const QualityChoice choice = QualityForTime(options, kCameras, 1);
+  EXPECT_EQ(choice.quality, "medium");
+  EXPECT_EQ(choice.num_sweeps, 1);
+  // Nothing of the kind where there is no matching.
+  options.method = "nerf";
+  EXPECT_EQ(QualityForTime(options, kCameras, 1).num_sweeps, 0);
 }
 
 TEST(QualityForTime, NeedsMoreTimeOnASlowMachine) {
   StructNerfOptions options = MakeOptions("medium");
   options.max_minutes = 1;
-  EXPECT_EQ(QualityForTime(options, kCameras, 3), "low");
+  EXPECT_EQ(QualityForTime(options, kCameras, 4).quality, "low");
 }
 
 TEST(QualityForTime, NeedsMoreTimeForMoreImages) {
   StructNerfOptions options = MakeOptions("medium");
   options.max_minutes = 1;
   const std::vector<PinholeCamera> many(200, kCameras[0]);
-  EXPECT_EQ(QualityForTime(options, many, 1), "low");
+  EXPECT_EQ(QualityForTime(options, many, 1).quality, "low");
 }
 
 }  // namespace
