@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
   structnerf::RegisterTrainingBenchmarks();
   structnerf::RegisterRenderingBenchmarks();
   structnerf::RegisterConvergenceBenchmarks();
+  structnerf::RegisterSceneBenchmarks();
   structnerf::RegisterNetworkBenchmarks();
   structnerf::RegisterStereoBenchmarks();
   structnerf::RegisterOracleBenchmarks();

@@ -18,6 +18,10 @@ void RegisterRenderingBenchmarks();
 // Depth error, samples per ray and their spacing against the step.
 void RegisterConvergenceBenchmarks();
 
+// Samples per ray and depth error against the step on the scene file that the
+// environment variable STRUCTNERF_SCENE names, if it does.
+void RegisterSceneBenchmarks();
+
 // The networks alone, as a share of the peak rate.
 void RegisterNetworkBenchmarks();
 
