@@ -127,10 +127,8 @@ void SetupPage::ChangeTimeLimit(const double minutes) {
     quality_->setCurrentText(QString::fromStdString(choice.quality));
     ChangeQuality(quality_->currentText());
     options_->reconstruction.stereo.num_iterations = choice.num_sweeps;
-    UpdateExpectation();
-  } else {
-    UpdateExpectation();
   }
+  UpdateExpectation();
 }
 
 void SetupPage::WriteOptions() {
