@@ -375,7 +375,7 @@ void PatchLoss::Evaluate(const int num_rays,
       const float rho = 1.0f / depth[begin + ray];
       loss[begin + ray] = sum * inverse;
       d_depth[begin + ray] = -rho * (rho * sum_by_rho) * inverse;
-      num_valid[begin + ray] = num_used;
+      num_valid[begin + ray] = count;
     }
   }
 }

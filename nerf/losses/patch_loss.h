@@ -43,7 +43,7 @@ class PatchLoss {
 
   // Rays [0, num_rays) go through pixel (col, row) of view view_idx at z-depth
   // `depth` (field units). Writes each ray's loss, its derivative by depth, and
-  // the number of sources that counted (both are 0 if none did).
+  // the number of sources that counted, the best or not (all 0 if none did).
   void Evaluate(int num_rays,
                 const int* view_idx,
                 const int* col,

@@ -20,6 +20,9 @@ constexpr int kNumSparseRays = 4;
 // Distance of pixels whose colour is held out.
 constexpr int kHeldOutStride = 16;
 
+// Other views that must see what a pixel shows for it to be pushed away.
+constexpr int kMinFarSources = 2;
+
 // Draws of four pixels until they span a stable triangle.
 constexpr int kMaxPlanarDraws = 4;
 
@@ -226,7 +229,8 @@ class TrainingObjective::Tile : public TileObjective {
 
   void AddPatchLoss(const RayOutputs& outputs,
                     RayGradients* gradients,
-                    LossValues* losses) const {
+                    LossValues* losses) {
+    num_sources_.fill(0);
     if (objective_.loss_options_.patch_weight == 0) {
       return;
     }
@@ -243,7 +247,6 @@ class TrainingObjective::Tile : public TileObjective {
                   : (end - begin) * objective_.num_tiles_);
     PerRay<float> loss;
     PerRay<float> d_depth;
-    PerRay<int> num_valid;
     objective_.patch_loss_.Evaluate(rays_->num_rays,
                                     view_idx_.data(),
                                     col_.data(),
@@ -251,11 +254,11 @@ class TrainingObjective::Tile : public TileObjective {
                                     outputs.depth.data(),
                                     loss.data(),
                                     d_depth.data(),
-                                    num_valid.data());
+                                    num_sources_.data());
     double sum = 0;
     size_t num_compared = 0;
     for (int ray = begin; ray < end; ++ray) {
-      if (num_valid[ray] > 0) {
+      if (num_sources_[ray] > 0) {
         sum += loss[ray];
         gradients->d_depth[ray] += weight * d_depth[ray];
         ++num_compared;
@@ -337,6 +340,9 @@ class TrainingObjective::Tile : public TileObjective {
         objective_.training_options_.rays_per_step;
     double sum = 0;
     for (int ray = 0; ray < rays_->num_rays; ++ray) {
+      if (num_sources_[ray] < kMinFarSources) {
+        continue;
+      }
       const size_t pixel = static_cast<size_t>(row_[ray]) *
                                objective_.views_.image(view_idx_[ray]).width +
                            col_[ray];
@@ -408,6 +414,7 @@ class TrainingObjective::Tile : public TileObjective {
   int first_random_ray_ = 0;
   int end_keypoint_ray_ = 0;
   PerRay<SparseTarget> sparse_target_;
+  PerRay<int> num_sources_;  // that the patch around a pixel is compared with
 };
 
 TrainingObjective::TrainingObjective(

@@ -197,7 +197,8 @@ TEST_P(PatchLossTest, ValueAndGradientAreThoseOfTheFormulas) {
         continue;
       }
       EXPECT_GT(result.num_valid[i], 0);
-      EXPECT_LE(result.num_valid[i], options.num_best);
+      EXPECT_LE(result.num_valid[i],
+                static_cast<int>(sources[pixel.view_idx].size()));
       EXPECT_NEAR(result.loss[i], *expected, 1e-4);
       ++num_values;
       const double right = (*above - *expected) / h;

@@ -160,6 +160,59 @@ TEST(TrainingLoss, HeldOutPixelsHaveNoColorLoss) {
   EXPECT_GT(num_held_out, 0);
 }
 
+// Two views agree on any depth of what is blank in both; a third may object.
+TEST(TrainingLoss, OnlyWhatThreeViewsSeeIsPushedAway) {
+  ObjectiveScene test;
+  OnlyColor(&test.loss);
+  test.loss.patch_weight = 1;
+  test.loss.far_weight = 0.5;
+  test.training.rays_per_step = kMaxTileRays;
+  for (View& view : test.scene.views) {
+    std::fill(view.image.data.begin(), view.image.data.end(), uint8_t{128});
+  }
+  for (const int num_views : {2, 3, 4}) {
+    SCOPED_TRACE(num_views);
+    test.train_view_idxs.resize(num_views);
+    std::iota(test.train_view_idxs.begin(), test.train_view_idxs.end(), 0);
+    const TrainingObjective objective = test.MakeObjective();
+    const auto tile_objective = objective.MakeTileObjective();
+    int num_pushed = 0;
+    for (int step = 0; step < 20; ++step) {
+      RayTile rays;
+      tile_objective->DrawRays(step, 0, &rays);
+      const RayOutputs outputs = test.TrueOutputs(rays);
+      RayGradients gradients;
+      const LossValues losses = tile_objective->Evaluate(outputs, &gradients);
+      double expected = 0;
+      for (int ray = 0; ray < rays.num_rays; ++ray) {
+        // Patches of one colour leave rounding errors.
+        if (std::abs(gradients.d_depth[ray]) > 1e-8) {
+          ++num_pushed;
+          expected -= 0.5 / kMaxTileRays * std::log(outputs.depth[ray]);
+          EXPECT_NEAR(gradients.d_depth[ray],
+                      -0.5 / kMaxTileRays / outputs.depth[ray],
+                      1e-6);
+        }
+      }
+      EXPECT_NEAR(Value(losses, LossTerm::kFar), expected, 1e-5);
+    }
+    if (num_views == 2) {
+      EXPECT_EQ(num_pushed, 0);
+    } else {
+      EXPECT_GT(num_pushed, 100);
+      EXPECT_LT(num_pushed, 20 * kMaxTileRays);
+    }
+  }
+}
+
+TEST(TrainingLoss, NothingIsPushedWithoutPatches) {
+  ObjectiveScene test;
+  OnlyColor(&test.loss);
+  test.loss.far_weight = 0.5;
+  EXPECT_EQ(Value(EvaluateStep(test, 0, [](RayOutputs*) {}), LossTerm::kFar),
+            0);
+}
+
 TEST(TrainingLoss, SparseByHand) {
   ObjectiveScene test;
   OnlyColor(&test.loss);
