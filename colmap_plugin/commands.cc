@@ -13,7 +13,6 @@
 #include "colmap_plugin/structnerf_controller.h"
 #include "colmap_plugin/terminal_progress.h"
 #include "nerf/analysis/scene_analysis.h"
-#include "nerf/methods.h"
 #include "nerf/util/interrupts.h"
 
 #include <cstdlib>
@@ -87,13 +86,7 @@ bool ParseOptionsOfQuality(const std::vector<std::string>& args,
   StructNerfOptions& options = command->options;
   options.quality = quality;
   options.method = FindOption(args, "StructNeRF.method", options.method);
-  try {
-    options.reconstruction =
-        ApplyMethod(options.method, QualityPreset(options.quality));
-  } catch (const std::invalid_argument& error) {
-    throw std::runtime_error(std::string("The option --StructNeRF.") +
-                             error.what() + ".");
-  }
+  options.reconstruction = MakePreset(options.method, options.quality);
   const std::vector<OptionEntry> table = MakeOptionTable(&options);
 
   colmap::OptionManager manager;

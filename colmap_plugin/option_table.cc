@@ -2,6 +2,7 @@
 
 #include "colmap_plugin/text_output.h"
 #include "nerf/method_options.h"
+#include "nerf/methods.h"
 
 #include <stdexcept>
 #include <utility>
@@ -84,6 +85,16 @@ std::vector<OptionEntry> MakeOptionTable(StructNerfOptions* options) {
   const auto entries = MakeMethodOptionEntries(&options->reconstruction);
   table.insert(table.end(), entries.begin(), entries.end());
   return table;
+}
+
+ReconstructionOptions MakePreset(const std::string& method,
+                                 const std::string& quality) {
+  try {
+    return ApplyMethod(method, QualityPreset(quality));
+  } catch (const std::invalid_argument& error) {
+    throw std::runtime_error(std::string("The option --StructNeRF.") +
+                             error.what() + ".");
+  }
 }
 
 void AddOptions(const std::vector<OptionEntry>& table,

@@ -10,6 +10,11 @@
 
 namespace structnerf {
 
+// The preset of a method (nerf/methods.h) and a quality. Throws
+// std::runtime_error naming the option if there is no such word.
+ReconstructionOptions MakePreset(const std::string& method,
+                                 const std::string& quality);
+
 // All --StructNeRF.* options. The entries point into `options`.
 std::vector<OptionEntry> MakeOptionTable(StructNerfOptions* options);
 

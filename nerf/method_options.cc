@@ -1,5 +1,7 @@
 #include "nerf/method_options.h"
 
+#include <variant>
+
 namespace structnerf {
 namespace {
 
@@ -361,6 +363,28 @@ std::vector<OptionEntry> MakeMethodOptionEntries(
     all_entries.insert(all_entries.end(), entries.begin(), entries.end());
   }
   return all_entries;
+}
+
+ReconstructionOptions ChangePreset(ReconstructionOptions current,
+                                   ReconstructionOptions preset,
+                                   ReconstructionOptions new_preset) {
+  const std::vector<OptionEntry> current_entries =
+      MakeMethodOptionEntries(&current);
+  const std::vector<OptionEntry> preset_entries =
+      MakeMethodOptionEntries(&preset);
+  const std::vector<OptionEntry> new_entries =
+      MakeMethodOptionEntries(&new_preset);
+  for (size_t i = 0; i < new_entries.size(); ++i) {
+    if (current_entries[i].Value() == preset_entries[i].Value()) {
+      continue;
+    }
+    std::visit(
+        [&](auto* value) {
+          *value = *std::get<decltype(value)>(current_entries[i].value);
+        },
+        new_entries[i].value);
+  }
+  return new_preset;
 }
 
 std::string FindMethodOptionError(const ReconstructionOptions& options) {

@@ -14,6 +14,12 @@ namespace structnerf {
 std::vector<OptionEntry> MakeMethodOptionEntries(
     ReconstructionOptions* options);
 
+// The options of another preset, with those of `current` that differ from the
+// preset it was made from.
+ReconstructionOptions ChangePreset(ReconstructionOptions current,
+                                   ReconstructionOptions preset,
+                                   ReconstructionOptions new_preset);
+
 // "StructNeRF.<field> must be ..." about the first field that is wrong; empty
 // if there is none.
 std::string FindMethodOptionError(const ReconstructionOptions& options);

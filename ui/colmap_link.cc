@@ -42,6 +42,17 @@ void ColmapLink::ShowCloud(std::shared_ptr<colmap::Reconstruction> cloud) {
   viewer_->ReloadReconstruction();
 }
 
+void ColmapLink::Update() {
+  if (cloud_ == nullptr || viewer_->reconstruction == cloud_) {
+    return;
+  }
+  if (render_->min_track_len == 0) {  // else it was changed since
+    render_->min_track_len = model_min_track_len_;
+  }
+  cloud_.reset();
+  model_.reset();
+}
+
 void ColmapLink::ShowModel() {
   if (cloud_ == nullptr || viewer_->reconstruction != cloud_) {
     return;

@@ -35,6 +35,10 @@ class ColmapLink {
   void ShowCloud(std::shared_ptr<colmap::Reconstruction> cloud);
   void ShowModel();
 
+  // To be called now and then: undoes what ShowCloud() did once another model
+  // is shown.
+  void Update();
+
  private:
   std::function<std::string()> image_path_;
   std::function<std::string()> project_path_;

@@ -73,8 +73,12 @@ void ComparisonBar::Poll() {
   if (!run->Error().empty()) {
     ShowError(this, run->Error());
   } else if (!run->PagePath().empty()) {
-    QDesktopServices::openUrl(
-        QUrl::fromLocalFile(QString::fromStdString(run->PagePath())));
+    const QString path = QString::fromStdString(run->PagePath());
+    if (!QDesktopServices::openUrl(QUrl::fromLocalFile(path))) {
+      ShowError(
+          this,
+          "No program opens the comparison; it is in " + run->PagePath() + ".");
+    }
   }
 }
 

@@ -57,6 +57,7 @@ DenseAction::DenseAction(QMainWindow* window,
 }
 
 void DenseAction::UpdateEnabled() {
+  link_->Update();
   if (widget_->IsRunning()) {
     setEnabled(true);  // shows how far it is
     return;

@@ -26,7 +26,7 @@ class DenseAction : public QAction {
   void UpdateEnabled();
 
   const QAction* const pause_action_;
-  const ColmapLink* const link_;
+  ColmapLink* const link_;
   DenseWidget* const widget_;
 };
 

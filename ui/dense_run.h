@@ -32,6 +32,7 @@ class DenseRun {
     return controller_->GetStatus();
   }
   const std::string& Error() const { return controller_->Error(); }
+  const std::string& KeptPath() const { return controller_->KeptPath(); }
   const RunReport& Report() const { return controller_->Report(); }
 
  private:

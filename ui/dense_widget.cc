@@ -23,6 +23,7 @@ std::vector<OptionEntry> AdvancedEntries(StructNerfOptions* options) {
   std::vector<OptionEntry> entries;
   for (const OptionEntry& entry : MakeOptionTable(options)) {
     if (entry.name != "StructNeRF.quality" &&
+        entry.name != "StructNeRF.method" &&
         entry.name != "StructNeRF.max_minutes" &&
         entry.name != "StructNeRF.device") {
       entries.push_back(entry);
@@ -90,8 +91,10 @@ void DenseWidget::Show() {
     if (options_->output_path.empty()) {
       options_->output_path = DefaultWorkspace(*link_);
     }
-    setup_page_->ShowModel(
-        std::make_shared<const colmap::Reconstruction>(*model));
+    // A copy: COLMAP may change its model, or forget it, while this one is
+    // worked on.
+    model_ = std::make_shared<const colmap::Reconstruction>(*model);
+    setup_page_->ShowModel(model_);
     tabs_->setCurrentIndex(kSetupTab);
   }
   show();
@@ -104,8 +107,6 @@ void DenseWidget::Start() {
     ShowError(this, "No workspace is given; choose a folder for the results.");
     return;
   }
-  // A copy: COLMAP may change its model while this one is worked on.
-  model_ = std::make_shared<const colmap::Reconstruction>(*link_->Model());
   StructNerfOptions options = *options_;
   options.fusion = link_->FusionOptions();
   // COLMAP's default is meant for many views.
@@ -151,36 +152,47 @@ void DenseWidget::End() {
     default:
       tabs_->setTabEnabled(kRunTab, false);
       tabs_->setCurrentIndex(kSetupTab);
-      ShowError(this, run->Error());
+      ShowError(this,
+                run->KeptPath().empty()
+                    ? run->Error()
+                    : run->Error() +
+                          " Start goes on from what was done, which is in " +
+                          run->KeptPath() + ".");
   }
 }
 
-bool DenseWidget::MayClose() {
-  if (!IsRunning()) {
-    return true;
-  }
-  if (QMessageBox::question(
-          this,
-          "",
-          "The StructNeRF reconstruction has not ended. Do you want to "
-          "cancel it? Nothing will be written.",
-          QMessageBox::Yes | QMessageBox::No) != QMessageBox::Yes) {
-    return false;
-  }
-  if (IsRunning()) {  // has not ended while it was asked
+bool DenseWidget::MayCancel() {
+  return !IsRunning() ||
+         QMessageBox::question(
+             this,
+             "",
+             "The StructNeRF reconstruction has not ended. Do you want to "
+             "cancel it? Nothing will be written.",
+             QMessageBox::Yes | QMessageBox::No) == QMessageBox::Yes;
+}
+
+void DenseWidget::Cancel() {
+  if (IsRunning()) {
     run_->Progress().Abort();
   }
-  return true;
 }
 
 void DenseWidget::closeEvent(QCloseEvent* event) {
-  event->setAccepted(MayClose());
+  const bool may_cancel = MayCancel();
+  event->setAccepted(may_cancel);
+  if (may_cancel) {
+    Cancel();
+  }
 }
 
 bool DenseWidget::eventFilter(QObject* object, QEvent* event) {
-  if (event->type() == QEvent::Close && !MayClose()) {
+  if (event->type() == QEvent::Close && !MayCancel()) {
     event->ignore();
     return true;
+  }
+  // Only now: after our question, COLMAP asks one of its own.
+  if (event->type() == QEvent::Hide && !event->spontaneous()) {
+    Cancel();
   }
   return QWidget::eventFilter(object, event);
 }

@@ -39,8 +39,9 @@ class DenseWidget : public QWidget {
   void Poll();
   void End();
 
-  // Asks in the middle of a run, and cancels it if the answer is yes.
-  bool MayClose();
+  // Asks in the middle of a run.
+  bool MayCancel();
+  void Cancel();
 
   StructNerfOptions* const options_;
   ColmapLink* const link_;
@@ -50,7 +51,7 @@ class DenseWidget : public QWidget {
   ResultsPage* results_page_;
   QTimer* timer_;
   std::unique_ptr<DenseRun> run_;
-  std::shared_ptr<const colmap::Reconstruction> model_;  // of the run
+  std::shared_ptr<const colmap::Reconstruction> model_;  // shown or worked on
 };
 
 }  // namespace structnerf

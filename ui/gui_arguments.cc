@@ -4,14 +4,18 @@
 #include "colmap_plugin/command_line.h"
 #include "colmap_plugin/option_table.h"
 
+#include <string>
+#include <vector>
+
 namespace structnerf {
 
 bool ParseGuiArguments(const int argc, char** argv, GuiArguments* arguments) {
   StructNerfOptions& options = arguments->options;
   colmap::OptionManager& manager = arguments->manager;
-  options.quality =
-      FindOption({argv, argv + argc}, "StructNeRF.quality", options.quality);
-  options.reconstruction = QualityPreset(options.quality);
+  const std::vector<std::string> args(argv, argv + argc);
+  options.quality = FindOption(args, "StructNeRF.quality", options.quality);
+  options.method = FindOption(args, "StructNeRF.method", options.method);
+  options.reconstruction = MakePreset(options.method, options.quality);
   // From COLMAP 4.0 on, what is added here is also kept in project files.
   AddOptions(MakeOptionTable(&options), &manager);
   if (argc > 1) {

@@ -6,7 +6,10 @@
 #include <QPixmap>
 #include <QWheelEvent>
 #include <cmath>
+#include <stdexcept>
 #include <utility>
+
+#include <colmap/ui/qt_utils.h>
 
 namespace structnerf {
 
@@ -38,7 +41,12 @@ void MapViewer::ShowPhotograph(const QString& title, const QString& path) {
   maps_ = StereoMaps();
   setWindowTitle(title);
   value_->clear();
-  ShowPixmap(QPixmap(path));
+  colmap::Bitmap bitmap;
+  if (!bitmap.Read(path.toStdString())) {
+    throw std::runtime_error("The photograph " + path.toStdString() +
+                             " cannot be read.");
+  }
+  ShowPixmap(QPixmap::fromImage(colmap::BitmapToQImageRGB(bitmap)));
 }
 
 QString MapViewer::ValueText(const int col, const int row) const {

@@ -1,6 +1,8 @@
 #include "ui/setup_page.h"
 
+#include "colmap_plugin/option_table.h"
 #include "colmap_plugin/quality_choice.h"
+#include "nerf/method_options.h"
 #include "ui/folder_edit.h"
 
 #include <QFormLayout>
@@ -13,7 +15,9 @@ namespace structnerf {
 SetupPage::SetupPage(StructNerfOptions* options,
                      std::function<void()> start,
                      QWidget* parent)
-    : QWidget(parent), options_(options) {
+    : QWidget(parent),
+      options_(options),
+      preset_(MakePreset(options->method, options->quality)) {
   auto* layout = new QVBoxLayout(this);
   auto* form = new QFormLayout();
   layout->addLayout(form);
@@ -25,15 +29,20 @@ SetupPage::SetupPage(StructNerfOptions* options,
   mask_path_ = AddFolder("Masks (optional)", "mask_path", form);
   mask_path_->setToolTip("Folder with <image name>.png, black = ignore");
 
-  quality_ = new QComboBox(this);
-  quality_->setObjectName("quality");
-  quality_->addItems({"low", "medium", "high", "extreme"});
-  connect(
-      quality_,
-      static_cast<void (QComboBox::*)(int)>(&QComboBox::activated),
-      this,
-      [this](const int index) { ChangeQuality(quality_->itemText(index)); });
-  form->addRow("Quality", quality_);
+  quality_ = AddChoice(
+      "Quality", "quality", {"low", "medium", "high", "extreme"}, form);
+  method_ = AddChoice(
+      "Method",
+      "method",
+      {"structnerf", "nerf", "dsnerf", "dense_depth_prior", "nerfing_mvs"},
+      form);
+  method_->setToolTip("This one, or those that the paper compares it with");
+  for (QComboBox* const choice : {quality_, method_}) {
+    connect(choice,
+            static_cast<void (QComboBox::*)(int)>(&QComboBox::activated),
+            this,
+            [this](int) { ChangeWords(); });
+  }
 
   max_minutes_ = new QDoubleSpinBox(this);
   max_minutes_->setObjectName("max_minutes");
@@ -41,6 +50,7 @@ SetupPage::SetupPage(StructNerfOptions* options,
   max_minutes_->setDecimals(2);
   max_minutes_->setSuffix(" min");
   max_minutes_->setSpecialValueText("none");
+  max_minutes_->setKeyboardTracking(false);
   max_minutes_->setToolTip(
       "Chooses the best quality that fits, and shortens its training");
   connect(max_minutes_,
@@ -50,12 +60,9 @@ SetupPage::SetupPage(StructNerfOptions* options,
           [this](const double minutes) { ChangeTimeLimit(minutes); });
   form->addRow("Time limit", max_minutes_);
 
-  device_ = new QComboBox(this);
-  device_->setObjectName("device");
-  device_->addItems({"cpu", "cuda", "auto"});
+  device_ = AddChoice("Device", "device", {"cpu", "cuda", "auto"}, form);
   device_->setToolTip(
       "Processor or NVIDIA card; auto = a card if there is one");
-  form->addRow("Device", device_);
 
   overwrite_ = new QCheckBox("Replace dense results in the workspace", this);
   overwrite_->setObjectName("overwrite");
@@ -90,6 +97,17 @@ QLineEdit* SetupPage::AddFolder(const QString& label,
   return path;
 }
 
+QComboBox* SetupPage::AddChoice(const QString& label,
+                                const char* name,
+                                const QStringList& words,
+                                QFormLayout* form) {
+  auto* choice = new QComboBox(this);
+  choice->setObjectName(name);
+  choice->addItems(words);
+  form->addRow(label, choice);
+  return choice;
+}
+
 void SetupPage::ShowModel(
     std::shared_ptr<const colmap::Reconstruction> reconstruction) {
   forecast_ = std::make_unique<RunForecast>(std::move(reconstruction));
@@ -101,6 +119,7 @@ void SetupPage::ShowModel(
     quality_->addItem(quality);  // a preset for the few
   }
   quality_->setCurrentText(quality);
+  method_->setCurrentText(QString::fromStdString(options_->method));
   const QSignalBlocker blocker(max_minutes_);
   max_minutes_->setValue(options_->max_minutes);
   device_->setCurrentText(QString::fromStdString(options_->device));
@@ -114,21 +133,32 @@ void SetupPage::UpdateExpectation() {
   start_button_->setEnabled(expectation.is_possible);
 }
 
-void SetupPage::ChangeQuality(const QString& quality) {
-  options_->quality = quality.toStdString();
-  options_->reconstruction = QualityPreset(options_->quality);
+void SetupPage::ChangePresetTo(const ReconstructionOptions& preset) {
+  options_->reconstruction =
+      ChangePreset(options_->reconstruction, preset_, preset);
+  preset_ = preset;
   UpdateExpectation();
+}
+
+void SetupPage::ChangeWords() {
+  options_->quality = quality_->currentText().toStdString();
+  options_->method = method_->currentText().toStdString();
+  ChangePresetTo(MakePreset(options_->method, options_->quality));
 }
 
 void SetupPage::ChangeTimeLimit(const double minutes) {
   options_->max_minutes = minutes;
   if (minutes > 0) {
     const QualityChoice choice = ChooseQuality(*options_, forecast_->Cameras());
+    options_->quality = choice.quality;
     quality_->setCurrentText(QString::fromStdString(choice.quality));
-    ChangeQuality(quality_->currentText());
-    options_->reconstruction.stereo.num_iterations = choice.num_sweeps;
+    ReconstructionOptions preset =
+        MakePreset(options_->method, options_->quality);
+    preset.stereo.num_iterations = choice.num_sweeps;
+    ChangePresetTo(preset);
+  } else {
+    UpdateExpectation();
   }
-  UpdateExpectation();
 }
 
 void SetupPage::WriteOptions() {

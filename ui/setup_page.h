@@ -38,15 +38,25 @@ class SetupPage : public QWidget {
   QLineEdit* AddFolder(const QString& label,
                        const char* name,
                        QFormLayout* form);
-  void ChangeQuality(const QString& quality);
+  QComboBox* AddChoice(const QString& label,
+                       const char* name,
+                       const QStringList& words,
+                       QFormLayout* form);
+
+  // Take the presets of the words that are chosen. Options that have been
+  // changed since, or were given on the command line, stay.
+  void ChangePresetTo(const ReconstructionOptions& preset);
+  void ChangeWords();
   void ChangeTimeLimit(double minutes);
   void WriteOptions();
 
   StructNerfOptions* const options_;
+  ReconstructionOptions preset_;  // what the method's options started from
   std::unique_ptr<RunForecast> forecast_;
   QLineEdit* workspace_path_;
   QLineEdit* image_path_;
   QLineEdit* mask_path_;
+  QComboBox* method_;
   QComboBox* quality_;
   QDoubleSpinBox* max_minutes_;
   QComboBox* device_;

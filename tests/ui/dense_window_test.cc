@@ -432,6 +432,42 @@ TEST_F(DenseWindowTest, ATimeLimitChoosesTheQuality) {
               HasSubstr("about"));
 }
 
+TEST_F(DenseWindowTest, WordsKeepWhatWasChanged) {
+  OpenDialog();
+  SetNumSteps(7);
+  const auto choose = [this](const char* name, const char* word) {
+    auto* choice = Find<QComboBox>(name);
+    choice->setCurrentText(word);
+    emit choice->activated(choice->currentIndex());
+  };
+  choose("quality", "high");
+  EXPECT_EQ(options_.reconstruction.training.num_steps, 7);
+  EXPECT_EQ(options_.reconstruction.training.max_image_size,
+            QualityPreset("high").training.max_image_size);
+  choose("method", "nerf");
+  EXPECT_EQ(options_.method, "nerf");
+  EXPECT_EQ(options_.reconstruction.loss.patch_weight, 0);
+  choose("method", "structnerf");
+  EXPECT_EQ(options_.reconstruction.loss.patch_weight,
+            QualityPreset("high").loss.patch_weight);
+  Find<QDoubleSpinBox>("max_minutes")->setValue(0.01);
+  EXPECT_EQ(options_.quality, "low");
+  EXPECT_EQ(options_.reconstruction.training.num_steps, 7);
+  EXPECT_EQ(options_.reconstruction.training.max_image_size,
+            QualityPreset("low").training.max_image_size);
+}
+
+// COLMAP closes its model when another project is begun.
+TEST_F(DenseWindowTest, RunsOnTheModelThatItShows) {
+  OpenDialog();
+  SetNumSteps(1000000);
+  Viewer()->reconstruction = nullptr;
+  Click("start");
+  ASSERT_TRUE(WaitForTraining());
+  Click("cancel");
+  ASSERT_TRUE(WaitForTab(0));
+}
+
 // The others are over too soon to be caught on every machine.
 TEST_F(DenseWindowTest, LongStagesAnswerAtOnce) {
   SyntheticRoomOptions room_options;
@@ -514,6 +550,15 @@ TEST_F(DenseWindowTest, ClosingInTheMiddleAsks) {
   EXPECT_EQ(Tabs()->currentIndex(), 2);
   AnswerMessage(QMessageBox::No, "message_close_main_window");
   EXPECT_FALSE(window_->Window().close());
+  // Yes to our question, but no to COLMAP's own.
+  OnMessage([this](QMessageBox* box) {
+    Answer(box, QMessageBox::Yes, "message_close_main_window");
+    AnswerMessage(QMessageBox::No, "message_quit");
+  });
+  EXPECT_FALSE(window_->Window().close());
+  EXPECT_THAT(message_, HasSubstr("quit"));
+  QTest::qWait(kAnswerMilliseconds);
+  EXPECT_EQ(Tabs()->currentIndex(), 2);
   AnswerMessage(QMessageBox::Yes, "message_close");
   EXPECT_TRUE(Tabs()->window()->close());
   ASSERT_TRUE(WaitForTab(0));

@@ -33,6 +33,8 @@ TEST(GuiArguments, ReachTheDialog) {
                                    folder / "images",
                                    "--StructNeRF.quality",
                                    "low",
+                                   "--StructNeRF.method",
+                                   "nerf",
                                    "--StructNeRF.num_steps",
                                    "123"};
   std::vector<char*> argv;
@@ -43,6 +45,9 @@ TEST(GuiArguments, ReachTheDialog) {
   ASSERT_TRUE(ParseGuiArguments(
       static_cast<int>(argv.size()), argv.data(), &arguments));
 
+  EXPECT_EQ(arguments.options.method, "nerf");
+  EXPECT_EQ(arguments.options.reconstruction.loss.patch_weight, 0);
+
   GuiWindow window(arguments.manager, &arguments.options);
   window.Show(arguments.import_path);
   auto* item = window.Window().findChild<QAction*>("structnerf_dense");
@@ -50,6 +55,8 @@ TEST(GuiArguments, ReachTheDialog) {
   item->trigger();
   const auto* quality = window.Window().findChild<QComboBox*>("quality");
   EXPECT_EQ(quality->currentText(), "low");
+  const auto* method = window.Window().findChild<QComboBox*>("method");
+  EXPECT_EQ(method->currentText(), "nerf");
   const auto* image_path = window.Window().findChild<QLineEdit*>("image_path");
   EXPECT_EQ(image_path->text().toStdString(), folder / "images");
   const auto* expectation = window.Window().findChild<QLabel*>("expectation");
