@@ -63,6 +63,7 @@ echo "|--:|---|--:|--:|--:|--:|--:|--:|--:|--:|"
 for views in 5 10 20 50 100; do
   measure "$views" 640 480 "$cores" "$@"
 done
+measure 500 320 240 "$cores" "$@"
 for size in "368 276" "1152 864" "1632 1224"; do
   # shellcheck disable=SC2086 # two words
   measure 20 $size "$cores" "$@"

@@ -24,9 +24,16 @@ namespace structnerf {
 namespace {
 
 // Bytes per pixel of a photograph: RGB in the scene; packed colours and grey
-// values in TrainingViews; label, mask and pixel list of segments; blankness;
-// depth, reliability and label for planes.
-constexpr size_t kBytesPerTrainingPixel = 3 + 4 + 2 + 4 + 1 + 4 + 1 + 4 + 1 + 4;
+// values in TrainingViews; label, mask and pixel list of segments; blankness.
+constexpr size_t kBytesPerTrainingPixel = 3 + 4 + 2 + 4 + 1 + 4 + 1;
+
+// Depth prior and deviation, in the scene and packed for training; where they
+// bound rays, nearest and farthest depth, twice, too.
+constexpr size_t kBytesPerPriorPixel = 4 * sizeof(float);
+constexpr size_t kBytesPerBoundPixel = 4 * sizeof(float);
+
+// The same where planes are completed: depth, reliability and label.
+constexpr size_t kBytesPerPlanePixel = 4 + 1 + 4;
 
 // Bytes per pixel of the maps of one view: depth, deviation, normal,
 // distinctness.
@@ -184,14 +191,21 @@ size_t Reconstructor::EstimateMemory(const ReconstructionOptions& options,
   const size_t training_pixels =
       camera.Reduced(options.training.max_image_size).NumPixels();
   const size_t refinement =
-      training_pixels *
-      (kBytesPerRefinedPixel +
-       kBytesPerRefinedPixelAndSource * options.stereo.num_used_sources);
+      options.stereo.num_iterations > 0
+          ? training_pixels *
+                (kBytesPerRefinedPixel + kBytesPerRefinedPixelAndSource *
+                                             options.stereo.num_used_sources)
+          : 0;
+  const size_t bytes_per_training_pixel =
+      kBytesPerTrainingPixel +
+      (options.CompletesPlanes() ? kBytesPerPlanePixel : 0) +
+      (options.NeedsPrior() ? kBytesPerPriorPixel : 0) +
+      (options.sampling.bound_by_prior ? kBytesPerBoundPixel : 0);
   const size_t engine = options.field.type == "mlp"
                             ? EstimateMlpMemory(options)
                             : EstimateGridMemory(options);
   return engine + refinement +
-         num_views * training_pixels * kBytesPerTrainingPixel +
+         num_views * training_pixels * bytes_per_training_pixel +
          camera.NumPixels() * kBytesPerMapPixel;
 }
 

@@ -49,6 +49,15 @@ void CheckView(const View& view) {
           prefix + "the mask does not match the image's size");
   Require(view.segments.empty() || view.segments.size() == num_pixels,
           prefix + "the segments do not match the image's size");
+  Require(std::all_of(view.segments.begin(),
+                      view.segments.end(),
+                      [&](const int32_t label) {
+                        return label >= -1 &&
+                               label < static_cast<int64_t>(num_pixels);
+                      }),
+          prefix +
+              "a segment's label is below -1 or not below the number of "
+              "pixels");
   const auto are_depths = [&](const std::vector<float>& depths) {
     return (depths.empty() || depths.size() == num_pixels) &&
            std::all_of(depths.begin(), depths.end(), [](const float depth) {

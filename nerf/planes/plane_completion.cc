@@ -209,6 +209,12 @@ void PlaneCompletion::FindPlanes(ThreadPool* pool, Progress* progress) {
         sources_[v],
         views_);
   });
+  chosen_.resize(plane_views_.size());
+  ForEachView(plane_views_.size(), pool, progress, [&](const size_t v) {
+    if (!hypotheses_[v].empty()) {
+      chosen_[v] = ChoosePlanes(static_cast<int>(v));
+    }
+  });
 }
 
 std::vector<ChosenPlane> PlaneCompletion::ChoosePlanes(
@@ -227,12 +233,12 @@ std::vector<ChosenPlane> PlaneCompletion::ChoosePlanes(
 size_t PlaneCompletion::Complete(const int view_idx,
                                  ThreadPool* pool,
                                  DenseMaps* maps) const {
-  if (hypotheses_.empty() || hypotheses_[view_idx].empty()) {
+  if (chosen_.empty() || chosen_[view_idx].empty()) {
     return 0;
   }
   const PinholeCamera& camera = scene_.views[view_idx].camera;
   const PlaneView& view = plane_views_[view_idx];
-  const std::vector<ChosenPlane> chosen = ChoosePlanes(view_idx);
+  const std::vector<ChosenPlane>& chosen = chosen_[view_idx];
   const PlaneLattice lattice(view);
   const size_t num_pixels = maps->depth.size();
   std::vector<size_t> num_completed(maps->height, 0);

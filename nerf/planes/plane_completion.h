@@ -39,7 +39,7 @@ class PlaneCompletion {
   // Takes the maps of a view after matching: depth, normals, distinctness.
   void AddView(int view_idx, const DenseMaps& maps, ThreadPool* pool);
 
-  // Throws Aborted if told to.
+  // Chooses the planes of all views. Throws Aborted if told to.
   void FindPlanes(ThreadPool* pool, Progress* progress);
 
   // Replaces depth and normals of pixels on a plane that was found; others, and
@@ -58,7 +58,6 @@ class PlaneCompletion {
   // What too few sources confirm is reliable no more.
   void ConfirmReliablePixels(ThreadPool* pool, Progress* progress);
 
-  // By cell of the view's PlaneLattice.
   std::vector<ChosenPlane> ChoosePlanes(int view_idx) const;
 
   const Scene& scene_;
@@ -78,6 +77,9 @@ class PlaneCompletion {
 
   // By view and segment; empty before FindPlanes, and where there are none.
   std::vector<std::vector<std::vector<PlaneHypothesis>>> hypotheses_;
+
+  // By view and cell of its PlaneLattice; empty likewise.
+  std::vector<std::vector<ChosenPlane>> chosen_;
 };
 
 }  // namespace structnerf

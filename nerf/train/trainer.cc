@@ -128,7 +128,7 @@ TrainingSummary Trainer::Run(Progress* progress,
         const Measurement measurement = MeasureTestPixels();
         state.held_out_psnr = measurement.Psnr();
         state.next_psnr += measurement_interval;
-        if (training.stop_when_converged &&
+        if (training.stop_when_converged && !test_pixels_.empty() &&
             update.fraction >= training.coarse_to_fine_fraction + kLevelFade &&
             summary.num_steps_to_converge < 0 &&
             state.convergence.Measure(measurement.squared_error,

@@ -82,8 +82,9 @@ class TrainingObjective::Tile : public TileObjective {
   LossValues Evaluate(const RayOutputs& outputs,
                       RayGradients* gradients) override {
     LossValues losses = {};
+    ComparePatches(outputs);
     AddColorLoss(outputs, gradients, &losses);
-    AddPatchLoss(outputs, gradients, &losses);
+    AddPatchLoss(gradients, &losses);
     AddPlanarLoss(outputs, gradients, &losses);
     AddSparseLoss(outputs, gradients, &losses);
     AddPriorLoss(outputs, gradients, &losses);
@@ -202,6 +203,21 @@ class TrainingObjective::Tile : public TileObjective {
     }
   }
 
+  void ComparePatches(const RayOutputs& outputs) {
+    const LossOptions& options = objective_.loss_options_;
+    if (options.patch_weight == 0 && options.far_weight == 0) {
+      return;
+    }
+    objective_.patch_loss_.Evaluate(rays_->num_rays,
+                                    view_idx_.data(),
+                                    col_.data(),
+                                    row_.data(),
+                                    outputs.depth.data(),
+                                    patch_loss_.data(),
+                                    d_patch_loss_.data(),
+                                    num_sources_.data());
+  }
+
   void AddColorLoss(const RayOutputs& outputs,
                     RayGradients* gradients,
                     LossValues* losses) const {
@@ -227,10 +243,7 @@ class TrainingObjective::Tile : public TileObjective {
     (*losses)[static_cast<size_t>(LossTerm::kColor)] += weight * sum;
   }
 
-  void AddPatchLoss(const RayOutputs& outputs,
-                    RayGradients* gradients,
-                    LossValues* losses) {
-    num_sources_.fill(0);
+  void AddPatchLoss(RayGradients* gradients, LossValues* losses) const {
     if (objective_.loss_options_.patch_weight == 0) {
       return;
     }
@@ -245,22 +258,12 @@ class TrainingObjective::Tile : public TileObjective {
         static_cast<float>(objective_.loss_options_.patch_weight) /
         (is_dense ? objective_.training_options_.rays_per_step
                   : (end - begin) * objective_.num_tiles_);
-    PerRay<float> loss;
-    PerRay<float> d_depth;
-    objective_.patch_loss_.Evaluate(rays_->num_rays,
-                                    view_idx_.data(),
-                                    col_.data(),
-                                    row_.data(),
-                                    outputs.depth.data(),
-                                    loss.data(),
-                                    d_depth.data(),
-                                    num_sources_.data());
     double sum = 0;
     size_t num_compared = 0;
     for (int ray = begin; ray < end; ++ray) {
       if (num_sources_[ray] > 0) {
-        sum += loss[ray];
-        gradients->d_depth[ray] += weight * d_depth[ray];
+        sum += patch_loss_[ray];
+        gradients->d_depth[ray] += weight * d_patch_loss_[ray];
         ++num_compared;
       }
     }
@@ -328,7 +331,6 @@ class TrainingObjective::Tile : public TileObjective {
     (*losses)[static_cast<size_t>(LossTerm::kSparse)] += sum;
   }
 
-  // Where no sparse point is, the interpolated depth pulls at the ray.
   void AddFarLoss(const RayOutputs& outputs,
                   RayGradients* gradients,
                   LossValues* losses) const {
@@ -355,6 +357,7 @@ class TrainingObjective::Tile : public TileObjective {
     (*losses)[static_cast<size_t>(LossTerm::kFar)] += weight * sum;
   }
 
+  // Where no sparse point is, the interpolated depth pulls at the ray.
   void AddPriorLoss(const RayOutputs& outputs,
                     RayGradients* gradients,
                     LossValues* losses) const {
@@ -368,9 +371,7 @@ class TrainingObjective::Tile : public TileObjective {
     for (int ray = 0; ray < rays_->num_rays; ++ray) {
       target.depth = objective_.hints_.InterpolatedDepth(
           view_idx_[ray], col_[ray], row_[ray]);
-      const bool is_sparse =
-          ray >= first_sparse_ray_ && ray < first_random_ray_;
-      if (!is_sparse && target.depth > 0) {
+      if (!IsSparse(ray) && target.depth > 0) {
         sum += EvaluateLineOfSight(target, outputs, ray, gradients);
       }
     }
@@ -390,12 +391,17 @@ class TrainingObjective::Tile : public TileObjective {
     double sum = 0;
     for (int ray = 0; ray < rays_->num_rays; ++ray) {
       const PriorDepth prior = DensePrior(ray);
-      if (prior.depth > 0 && gradients->pull[ray] == 0) {
+      if (prior.depth > 0 && !IsSparse(ray)) {
         sum += EvaluateDepthLikelihood(
             prior, weight, objective_.length_unit_, outputs, ray, gradients);
       }
     }
     (*losses)[static_cast<size_t>(LossTerm::kDensePrior)] += sum;
+  }
+
+  // Whether a ray goes through a sparse point.
+  bool IsSparse(const int ray) const {
+    return ray >= first_sparse_ray_ && ray < first_random_ray_;
   }
 
   PriorDepth DensePrior(const int ray) const {
@@ -414,7 +420,11 @@ class TrainingObjective::Tile : public TileObjective {
   int first_random_ray_ = 0;
   int end_keypoint_ray_ = 0;
   PerRay<SparseTarget> sparse_target_;
-  PerRay<int> num_sources_;  // that the patch around a pixel is compared with
+
+  // What ComparePatches() says about each ray, see PatchLoss::Evaluate.
+  PerRay<float> patch_loss_;
+  PerRay<float> d_patch_loss_;
+  PerRay<int> num_sources_;
 };
 
 TrainingObjective::TrainingObjective(

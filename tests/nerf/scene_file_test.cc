@@ -36,7 +36,7 @@ Scene MakeFullScene() {
   turned.exposure.offset = {-0.125f, 0.25f, 0.5f};
   for (int i = 0; i < 12; ++i) {
     turned.mask.push_back(i % 3 == 0 ? 0 : 255);
-    turned.segments.push_back(i * 1000 - 1);
+    turned.segments.push_back(i - 1);
     turned.prior_depth.push_back(0.1f * i);
     turned.prior_deviation.push_back(0.01f * i);
     turned.near_depth.push_back(1.0f + i);

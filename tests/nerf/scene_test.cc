@@ -86,6 +86,8 @@ TEST(Scene, WrongViewsAreNamed) {
   expect([](View* v) { v->image.data.pop_back(); }, "image data");
   expect([](View* v) { v->mask.pop_back(); }, "mask");
   expect([](View* v) { v->segments.push_back(0); }, "segments");
+  expect([](View* v) { v->segments[7] = 300; }, "label");
+  expect([](View* v) { v->segments[7] = -2; }, "label");
 }
 
 TEST(Scene, WrongPointsAreNamed) {
