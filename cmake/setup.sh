@@ -12,8 +12,8 @@ say() { echo "[structnerf] $*" >&2; }
 die() { say "error: $*"; exit 1; }
 
 install_packages() {
-  command -v dpkg-query > /dev/null ||
-    die "this script installs packages on Debian 12; elsewhere install what cmake/packages.txt lists and use the CMake presets"
+  grep -qs '^VERSION_CODENAME=bookworm' /etc/os-release ||
+    die "this script installs packages on Debian 12 only; elsewhere install what cmake/packages.txt lists and use CMake"
   local missing=() package
   while read -r package; do
     case "$package" in ''|'#'*) continue ;; esac
