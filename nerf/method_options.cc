@@ -326,7 +326,8 @@ std::vector<OptionEntry> ExtractionEntries(ExtractionOptions* extraction) {
            1},
           {"StructNeRF.max_reprojection_error",
            &extraction->max_reprojection_error,
-           "Largest reprojection error in pixels of a confirming view",
+           "Largest reprojection error of a confirming view, in pixels of maps "
+           "of 640 pixels; more in larger ones, in proportion",
            0,
            1e6},
           {"StructNeRF.min_num_consistent",

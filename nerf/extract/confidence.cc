@@ -1,5 +1,7 @@
 #include "nerf/extract/confidence.h"
 
+#include "nerf/extract/map_resolution.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -16,11 +18,13 @@ constexpr double kMaxAngle = 30.0;
 constexpr double kMinSlope = 0.3;  // per radian
 constexpr double kMaxSlope = 30.0;
 
-// Of central differences, where there are pixels on both sides.
+// Of central differences between pixels so far away, where there are pixels on
+// both sides.
 double LargestSlope(const PinholeCamera& camera,
                     const DenseMaps& maps,
                     const int col,
-                    const int row) {
+                    const int row,
+                    const int offset) {
   const auto depth = [&](const int other_col, const int other_row) {
     return static_cast<double>(
         maps.depth[static_cast<size_t>(
@@ -29,10 +33,10 @@ double LargestSlope(const PinholeCamera& camera,
                    std::clamp(other_col, 0, maps.width - 1)]);
   };
   const double by_x =
-      camera.fx * std::abs(depth(col + 1, row) - depth(col - 1, row));
+      camera.fx * std::abs(depth(col + offset, row) - depth(col - offset, row));
   const double by_y =
-      camera.fy * std::abs(depth(col, row + 1) - depth(col, row - 1));
-  return 0.5 * std::max(by_x, by_y) / depth(col, row);
+      camera.fy * std::abs(depth(col, row + offset) - depth(col, row - offset));
+  return 0.5 * std::max(by_x, by_y) / (offset * depth(col, row));
 }
 
 }  // namespace
@@ -40,6 +44,8 @@ double LargestSlope(const PinholeCamera& camera,
 std::vector<float> EstimateConfidence(const PinholeCamera& camera,
                                       const DenseMaps& maps,
                                       const std::vector<float>& angles) {
+  const auto offset =
+      static_cast<int>(std::lround(PixelsPerReferencePixel(camera)));
   std::vector<float> confidence(maps.depth.size(), 0.0f);
   for (int row = 0; row < maps.height; ++row) {
     for (int col = 0; col < maps.width; ++col) {
@@ -50,7 +56,7 @@ std::vector<float> EstimateConfidence(const PinholeCamera& camera,
       const double angle =
           std::clamp(static_cast<double>(angles[pixel]), kMinAngle, kMaxAngle);
       const double slope = std::clamp(
-          LargestSlope(camera, maps, col, row), kMinSlope, kMaxSlope);
+          LargestSlope(camera, maps, col, row, offset), kMinSlope, kMaxSlope);
       const double logit = kIntercept + kByLogAngle * std::log(angle) +
                            kByLogSlope * std::log(slope);
       confidence[pixel] = static_cast<float>(1 / (1 + std::exp(-logit)));

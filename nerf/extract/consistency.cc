@@ -1,5 +1,6 @@
 #include "nerf/extract/consistency.h"
 
+#include "nerf/extract/map_resolution.h"
 #include "nerf/util/median.h"
 #include "nerf/view_selection.h"
 
@@ -51,7 +52,8 @@ bool Confirms(const PixelTransfer& forward,
               const int col,
               const int row,
               const double depth,
-              const ExtractionOptions& options) {
+              const double max_relative_depth_error,
+              const double max_reprojection_error) {
   Eigen::Vector3d in_source;
   if (!forward.Apply(col, row, depth, &in_source)) {
     return false;
@@ -66,9 +68,8 @@ bool Confirms(const PixelTransfer& forward,
   const double source_depth =
       source.depth[static_cast<size_t>(source_row) * source.width +
                    static_cast<size_t>(source_col)];
-  if (source_depth <= 0 ||
-      std::abs(source_depth - in_source.z()) >
-          options.max_relative_depth_error * in_source.z()) {
+  if (source_depth <= 0 || std::abs(source_depth - in_source.z()) >
+                               max_relative_depth_error * in_source.z()) {
     return false;
   }
   Eigen::Vector3d back;
@@ -77,8 +78,7 @@ bool Confirms(const PixelTransfer& forward,
   }
   const double dx = back.x() - col;
   const double dy = back.y() - row;
-  return dx * dx + dy * dy <=
-         options.max_reprojection_error * options.max_reprojection_error;
+  return dx * dx + dy * dy <= max_reprojection_error * max_reprojection_error;
 }
 
 constexpr double kDegrees = 180.0 / M_PI;
@@ -138,6 +138,9 @@ ViewConsistency CheckConsistency(const Scene& scene,
   const DenseMaps& reference = maps[view_idx];
   const Eigen::Matrix3d ray_from_pixel =
       scene.views[view_idx].camera.CalibrationMatrix().inverse();
+  const double max_reprojection_error =
+      options.max_reprojection_error *
+      PixelsPerReferencePixel(scene.views[view_idx].camera);
   ViewConsistency consistency;
   consistency.angles.assign(reference.depth.size(), 0.0f);
   std::vector<std::vector<ConsistencyRecord>> rows(reference.height);
@@ -163,7 +166,8 @@ ViewConsistency CheckConsistency(const Scene& scene,
                      col,
                      row,
                      depth,
-                     options)) {
+                     options.max_relative_depth_error,
+                     max_reprojection_error)) {
           record.view_idxs.push_back(source.view_idx);
           angle =
               std::max(angle,

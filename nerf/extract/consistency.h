@@ -23,8 +23,9 @@ struct ViewConsistency {
 };
 
 // A source confirms a pixel if its own depth there agrees and the pixel comes
-// back (forward-backward reprojection, within the limits of `options`). `maps`:
-// of all views; those of the view and of its sources must be present.
+// back (forward-backward reprojection, within the limits of `options`; that in
+// pixels is for maps of the reference size, see nerf/extract/map_resolution.h).
+// `maps`: of all views; those of the view and of its sources must be present.
 ViewConsistency CheckConsistency(const Scene& scene,
                                  const std::vector<DenseMaps>& maps,
                                  size_t view_idx,

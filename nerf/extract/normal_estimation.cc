@@ -1,5 +1,7 @@
 #include "nerf/extract/normal_estimation.h"
 
+#include "nerf/extract/map_resolution.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -8,7 +10,8 @@
 namespace structnerf {
 namespace {
 
-// Half the side of the window, and the distance of the pixels that are read.
+// Half the side of the window, and the distance of the pixels that are read, in
+// maps of the reference size.
 constexpr int kWindowRadius = 6;
 constexpr int kWindowStep = 2;
 
@@ -22,6 +25,10 @@ void EstimateNormals(const PinholeCamera& camera, DenseMaps* maps) {
   const int height = maps->height;
   const size_t num_pixels = static_cast<size_t>(width) * height;
   maps->normal.assign(3 * num_pixels, 0.0f);
+  const auto unit =
+      static_cast<int>(std::lround(PixelsPerReferencePixel(camera)));
+  const int radius = kWindowRadius * unit;
+  const int step = kWindowStep * unit;
   const float inverse_fx = static_cast<float>(1.0 / camera.fx);
   const float inverse_fy = static_cast<float>(1.0 / camera.fy);
   for (int row = 0; row < height; ++row) {
@@ -35,12 +42,12 @@ void EstimateNormals(const PinholeCamera& camera, DenseMaps* maps) {
       // pixel, so that single precision is enough at any scale.
       float xx = 0, xy = 0, yy = 0, x1 = 0, y1 = 0, n = 0;
       float xr = 0, yr = 0, r1 = 0;
-      for (int dy = -kWindowRadius; dy <= kWindowRadius; dy += kWindowStep) {
+      for (int dy = -radius; dy <= radius; dy += step) {
         const int other_row = row + dy;
         if (other_row < 0 || other_row >= height) {
           continue;
         }
-        for (int dx = -kWindowRadius; dx <= kWindowRadius; dx += kWindowStep) {
+        for (int dx = -radius; dx <= radius; dx += step) {
           const int other_col = col + dx;
           if (other_col < 0 || other_col >= width) {
             continue;

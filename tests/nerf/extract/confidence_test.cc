@@ -1,7 +1,9 @@
 #include "nerf/extract/confidence.h"
 
+#include "nerf/extract/map_resolution.h"
 #include "tests/nerf/plane_scene.h"
 
+#include <algorithm>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -79,6 +81,23 @@ TEST(EstimateConfidence, DoesNotDependOnScaleOrResolution) {
           MakeCamera(kWidth, kHeight, 100), finer, ConstantAngle(5))[middle],
       confidence,
       1e-5);
+}
+
+// Twice as many pixels than the reference size make an edge two pixels wide.
+TEST(EstimateConfidence, EdgesAreAsWideInAnyResolution) {
+  DenseMaps maps;
+  maps.width = 2 * kReferenceMapSize;
+  maps.height = 1;
+  maps.depth.assign(maps.width, 2.0f);
+  std::fill(maps.depth.begin() + 100, maps.depth.end(), 3.0f);
+  const auto confidence =
+      EstimateConfidence(MakeCamera(maps.width, maps.height, 500),
+                         maps,
+                         std::vector<float>(maps.width, 10.0f));
+  for (int col = 90; col < 110; ++col) {
+    const bool is_at_edge = col >= 98 && col < 102;
+    EXPECT_EQ(confidence[col] < confidence[50] - 0.2f, is_at_edge) << col;
+  }
 }
 
 TEST(EstimateConfidence, NoDepthHasNone) {

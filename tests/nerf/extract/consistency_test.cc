@@ -1,5 +1,6 @@
 #include "nerf/extract/consistency.h"
 
+#include "nerf/extract/map_resolution.h"
 #include "tests/nerf/plane_scene.h"
 
 #include <cmath>
@@ -287,6 +288,24 @@ TEST(CheckConsistency, OneConfirmationMustBeWideEnough) {
   EXPECT_THAT(test.Find({1, 2})[middle], ElementsAre(1, 2));
   test.options.min_triangulation_angle = AngleAtMiddle(test, 2) + 0.01;
   EXPECT_EQ(test.Find({1, 2}).count(middle), 0);
+}
+
+TEST(CheckConsistency, TheLimitInPixelsIsForMapsOfTheReferenceSize) {
+  for (const int width : {kReferenceMapSize, 2 * kReferenceMapSize}) {
+    PlaneMaps test({});
+    test.options.min_num_consistent = 1;
+    for (const double x : {0.0, 0.5}) {
+      test.AddView(MakeView("view", MakeCamera(width, 4, 1600), {x, 0, 0}));
+    }
+    // Pixels come back about three pixels away.
+    const int col = width / 2;
+    const double depth = test.plane.Depth(test.scene.views[0], col, 2);
+    for (float& source_depth : test.maps[1].depth) {
+      source_depth *= static_cast<float>(1 + 3 * depth / (1600 * 0.5));
+    }
+    EXPECT_EQ(test.Find({1}).count({col, 2}) == 1, width > kReferenceMapSize)
+        << width;
+  }
 }
 
 TEST(FitToScene, AsksForNoMoreThanTheSceneOffers) {

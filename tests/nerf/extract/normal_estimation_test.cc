@@ -1,5 +1,6 @@
 #include "nerf/extract/normal_estimation.h"
 
+#include "nerf/extract/map_resolution.h"
 #include "tests/nerf/plane_scene.h"
 
 #include <cmath>
@@ -176,6 +177,33 @@ TEST(EstimateNormals, NoisyDepthIsSmoothed) {
     for (int col = 8; col < kWidth - 8; ++col) {
       EXPECT_LT(AngleInDegrees(Normal(maps, col, row), normal), 3);
     }
+  }
+}
+
+// Blocks of pixels that share their depth, as coarse maps have when they are
+// enlarged.
+TEST(EstimateNormals, LargeMapsAreLookedAtFromFarther) {
+  const Eigen::Vector3d normal = Eigen::Vector3d(0.2, 0, -1).normalized();
+  const PinholeCamera camera = {6 * kReferenceMapSize, 60, 3000, 3000, 0, 30};
+  constexpr int kBlock = 6;
+  DenseMaps maps;
+  maps.width = camera.width;
+  maps.height = camera.height;
+  for (int row = 0; row < maps.height; ++row) {
+    for (int col = 0; col < maps.width; ++col) {
+      const double x = kBlock * (col / kBlock) + 0.5 * (kBlock - 1);
+      maps.depth.push_back(static_cast<float>(
+          -3 / normal.dot(Eigen::Vector3d(x / camera.fx, 0, 1))));
+    }
+  }
+  EstimateNormals(camera, &maps);
+  const size_t plane = maps.depth.size();
+  for (int col = 50; col < 500; ++col) {
+    const size_t pixel = 30 * static_cast<size_t>(maps.width) + col;
+    const Eigen::Vector3d found(maps.normal[pixel],
+                                maps.normal[plane + pixel],
+                                maps.normal[2 * plane + pixel]);
+    EXPECT_LT(AngleInDegrees(found, normal), 2) << col;
   }
 }
 

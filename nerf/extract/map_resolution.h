@@ -1,0 +1,22 @@
+#pragma once
+
+#include "nerf/scene.h"
+
+#include <algorithm>
+
+namespace structnerf {
+
+// Windows and tolerances in pixels of maps are meant for maps whose longer side
+// has so many. Larger ones show the same surfaces with more pixels, and these
+// are known no better.
+constexpr int kReferenceMapSize = 640;
+
+// Pixels of a view's maps along what is one pixel at the reference size; at
+// least 1.
+inline double PixelsPerReferencePixel(const PinholeCamera& camera) {
+  return std::max(1.0,
+                  static_cast<double>(std::max(camera.width, camera.height)) /
+                      kReferenceMapSize);
+}
+
+}  // namespace structnerf
