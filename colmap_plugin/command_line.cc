@@ -30,7 +30,7 @@ bool HasOption(const std::vector<std::string>& args, const std::string& name) {
 }
 
 std::vector<std::string> ReadProjectFile(
-    const std::string& path, const std::vector<std::string>& own_options) {
+    const std::string& path, const std::vector<std::string>& project_keys) {
   std::ifstream file(path);
   if (!file) {
     throw std::runtime_error("The project file " + path +
@@ -44,9 +44,9 @@ std::vector<std::string> ReadProjectFile(
                                                   /*allow_unregistered=*/true);
     for (const auto& option : parsed.options) {
       const std::string& name = option.string_key;
-      const bool is_ours = StartsWith(name, "StructNeRF.") ||
-                           StartsWith(name, "StereoFusion.") ||
-                           Contains(own_options, name);
+      const bool is_ours =
+          Contains(project_keys, name) ||
+          Contains(project_keys, name.substr(0, name.find('.') + 1));
       if (is_ours && !option.value.empty() && !option.value[0].empty()) {
         args.push_back("--" + name + "=" + option.value[0]);
       }
@@ -62,7 +62,7 @@ std::vector<std::string> ReadProjectFile(
 
 std::vector<std::string> ExpandCommandLine(
     const std::vector<std::string>& args,
-    const std::vector<std::string>& own_options,
+    const std::vector<std::string>& project_keys,
     const std::vector<std::string>& flags) {
   std::vector<std::string> given;
   for (size_t i = 1; i < args.size(); ++i) {
@@ -86,7 +86,7 @@ std::vector<std::string> ExpandCommandLine(
   std::vector<std::string> expanded = {args[0]};
   const std::string project_path = FindOption(given, "project_path", "");
   if (!project_path.empty()) {
-    for (const std::string& arg : ReadProjectFile(project_path, own_options)) {
+    for (const std::string& arg : ReadProjectFile(project_path, project_keys)) {
       if (!HasOption(given, OptionName(arg))) {
         expanded.push_back(arg);
       }

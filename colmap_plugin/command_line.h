@@ -8,17 +8,17 @@ namespace structnerf {
 // Rewrites a command line into what COLMAP's option manager understands in the
 // same way in all versions:
 //
-// - the keys of the file of --project_path that the command knows come first
-//   and --project_path itself goes; options on the command line win. Sections
-//   of other commands are ignored, so a file saved by COLMAP's user interface
-//   can be used as it is.
+// - the keys of the file of --project_path that are in `project_keys`, or in a
+//   section that is ("StereoFusion."), come first and --project_path itself
+//   goes; options on the command line win. Others are ignored, so a file saved
+//   by COLMAP's user interface can be used as it is.
 // - a flag in `flags` ("overwrite", ...) may stand without a value.
 //
 // `args[0]` is the program. Throws std::runtime_error if the project file
 // cannot be read or an argument belongs to no option.
 std::vector<std::string> ExpandCommandLine(
     const std::vector<std::string>& args,
-    const std::vector<std::string>& own_options,
+    const std::vector<std::string>& project_keys,
     const std::vector<std::string>& flags);
 
 // Value of `--name value` or `--name=value`, the last one; `default_value` if

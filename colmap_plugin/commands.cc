@@ -33,8 +33,10 @@ namespace fs = std::filesystem;
 const std::vector<std::string> kFlags = {"overwrite",
                                          "StructNeRF.print_options"};
 
-// Keys that a project file may have outside our sections.
-const std::vector<std::string> kProjectKeys = {"image_path",
+// Keys and sections of a project file.
+const std::vector<std::string> kProjectKeys = {"StructNeRF.",
+                                               "StereoFusion.",
+                                               "image_path",
                                                "input_path",
                                                "output_path",
                                                "workspace_path",
@@ -85,7 +87,9 @@ bool ParseOptionsOfQuality(const std::vector<std::string>& args,
                            DenseCommand* command) {
   StructNerfOptions& options = command->options;
   options.quality = quality;
-  options.method = FindOption(args, "StructNeRF.method", options.method);
+  const std::string method =
+      FindOption(args, "StructNeRF.method", options.method);
+  options.method = method;
   options.reconstruction = MakePreset(options.method, options.quality);
   const std::vector<OptionEntry> table = MakeOptionTable(&options);
 
@@ -118,6 +122,7 @@ bool ParseOptionsOfQuality(const std::vector<std::string>& args,
   if (!ParseArguments(args, &manager)) {
     return false;
   }
+  CheckPresetWords(options, method, quality);
   options.fusion = *manager.stereo_fusion;
   CheckOptions(options);
   return true;
@@ -157,6 +162,14 @@ bool ParseDenseCommand(const std::vector<std::string>& raw_args,
       command->options.reconstruction.stereo.num_iterations = choice.num_sweeps;
     }
     command->model = model;
+  }
+  // COLMAP writes its default, which is meant for many views, into every
+  // project file.
+  colmap::mvs::StereoFusionOptions& fusion = command->options.fusion;
+  if (FindOption(raw_args, "StereoFusion.min_num_pixels", "").empty() &&
+      fusion.min_num_pixels ==
+          colmap::mvs::StereoFusionOptions().min_num_pixels) {
+    fusion.min_num_pixels = 0;
   }
   return true;
 }

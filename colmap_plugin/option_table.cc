@@ -97,6 +97,16 @@ ReconstructionOptions MakePreset(const std::string& method,
   }
 }
 
+void CheckPresetWords(const StructNerfOptions& options,
+                      const std::string& method,
+                      const std::string& quality) {
+  if (options.method != method || options.quality != quality) {
+    throw std::runtime_error(
+        "Write --StructNeRF.method and --StructNeRF.quality out; they decide "
+        "what the other options start from.");
+  }
+}
+
 void AddOptions(const std::vector<OptionEntry>& table,
                 colmap::OptionManager* manager) {
   for (const OptionEntry& entry : table) {

@@ -15,6 +15,12 @@ namespace structnerf {
 ReconstructionOptions MakePreset(const std::string& method,
                                  const std::string& quality);
 
+// Throws std::runtime_error if the words of the options are not those that the
+// preset was made from: COLMAP's option manager takes abbreviated names.
+void CheckPresetWords(const StructNerfOptions& options,
+                      const std::string& method,
+                      const std::string& quality);
+
 // All --StructNeRF.* options. The entries point into `options`.
 std::vector<OptionEntry> MakeOptionTable(StructNerfOptions* options);
 

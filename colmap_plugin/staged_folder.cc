@@ -186,6 +186,9 @@ StagedFolder::StagedFolder(const std::string& output_path, const bool resume)
     }
     fs::create_directory(notes_path_);
   } catch (const fs::filesystem_error& error) {
+    if (lock_file_ >= 0) {
+      close(lock_file_);
+    }
     RemoveFolders(created_parents_);
     ThrowUnwritable(output_path_, error.code().message());
   }

@@ -105,6 +105,10 @@ int RunStructNerfTradeoff(const int argc, char** argv) {
         setting.measurements.push_back(
             MeasureSetting(command.scene, setting.setting, seed));
         SayWhatWasMeasured(setting.setting, seed, setting.measurements.back());
+        if (ScopedInterrupts::Count() > 0) {
+          throw std::runtime_error(
+              "Quit before the end; the same command goes on from here.");
+        }
       }
     }
     std::cout << WriteTradeoffReport(command.scene, settings) << std::endl

@@ -24,7 +24,6 @@ class TrainedField {
   // The workspace's poses, cameras, exposures and points, without pixels.
   const Scene& Geometry() const { return scene_; }
 
-  const FinishedRun& Run() const { return run_; }
   const FieldViewer& Viewer() const { return *viewer_; }
 
   // Views that were kept out of training, ascending.

@@ -21,7 +21,11 @@ bool ParseGuiArguments(const int argc, char** argv, GuiArguments* arguments) {
   if (argc > 1) {
     manager.AddDefaultOption("import_path", &arguments->import_path);
     manager.AddAllOptions();
-    return ParseOptions(argc, argv, &manager);
+    const StructNerfOptions given = options;
+    if (!ParseOptions(argc, argv, &manager)) {
+      return false;
+    }
+    CheckPresetWords(options, given.method, given.quality);
   }
   return true;
 }

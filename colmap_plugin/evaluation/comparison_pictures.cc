@@ -110,7 +110,9 @@ class PictureMaker {
 
   HtmlPicture Error(const size_t i) const {
     return Picture(Caption("Error", i),
-                   ErrorPicture(errors_[i], comparison_.largest_error));
+                   errors_[i].empty()
+                       ? cv::Mat3b()
+                       : ErrorPicture(errors_[i], comparison_.largest_error));
   }
 
   HtmlPicture Difference() const {

@@ -36,8 +36,6 @@ class DepthTruth {
   // Throws std::runtime_error if the options are wrong.
   explicit DepthTruth(const DepthTruthOptions& options);
 
-  const DepthTruthOptions& Options() const { return options_; }
-
   bool Has(const std::string& image_name) const;
 
   // Metres, 0 = no value. Throws std::runtime_error, naming the file, if it is

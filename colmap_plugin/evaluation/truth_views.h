@@ -32,7 +32,6 @@ class TruthViews {
   // Registered images that have none.
   size_t NumWithoutTruth() const { return num_without_truth_; }
 
-  const colmap::Reconstruction& Model() const { return model_; }
   const colmap::Image& Image(const std::string& name) const;
   const colmap::Camera& Camera(const std::string& name) const;
 

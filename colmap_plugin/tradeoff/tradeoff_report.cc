@@ -77,7 +77,7 @@ std::string TradeoffJson(const TradeoffScene& scene,
                                   {"is_on_front", is_on_front[i] == true},
                                   {"runs", runs}});
   }
-  return object.dump(2) + "\n";
+  return object.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
 }
 
 std::string TradeoffHtml(const TradeoffScene& scene,

@@ -108,7 +108,9 @@ void Run(const TradeoffScene& scene,
       scene.input_path,
       "--output_path",
       workspace_path,
-      "--StructNeRF.seed=" + std::to_string(seed)};
+      "--StructNeRF.seed=" + std::to_string(seed),
+      // The time is that of the whole run.
+      "--StructNeRF.resume=0"};
   if (!scene.mask_path.empty()) {
     arguments.insert(arguments.end(), {"--mask_path", scene.mask_path});
   }
@@ -129,7 +131,10 @@ TradeoffMeasurement MeasureSetting(const TradeoffScene& scene,
                                    const int seed) {
   const fs::path folder = RunFolder(scene, setting, seed);
   const fs::path path = folder / "measurement.json";
-  const json description = DescribeMeasurement(scene, setting);
+  // As the file has it, which is UTF-8 whatever the paths are.
+  const json description =
+      json::parse(DescribeMeasurement(scene, setting)
+                      .dump(-1, ' ', false, json::error_handler_t::replace));
   TradeoffMeasurement measurement;
   if (fs::exists(path)) {
     const json old = ReadJson(path);
@@ -184,7 +189,7 @@ TradeoffMeasurement MeasureSetting(const TradeoffScene& scene,
                      {"peak_bytes", measurement.peak_bytes},
                      {"error", measurement.error},
                      {"held_out_psnr", measurement.held_out_psnr}}
-                        .dump(2) +
+                        .dump(2, ' ', false, json::error_handler_t::replace) +
                     "\n");
   fs::remove_all(workspace_path);
   return measurement;

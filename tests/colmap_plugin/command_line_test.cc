@@ -14,7 +14,8 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 
 std::vector<std::string> Expand(const std::vector<std::string>& args) {
-  return ExpandCommandLine(args, {"image_path"}, {"overwrite"});
+  return ExpandCommandLine(
+      args, {"StructNeRF.", "StereoFusion.", "image_path"}, {"overwrite"});
 }
 
 TEST(CommandLine, LeavesOrdinaryOptionsAlone) {
@@ -72,6 +73,13 @@ TEST_F(ProjectFileTest, TakesOurKeysAndIgnoresOtherCommands) {
                           "--image_path=/my images",
                           "--StereoFusion.min_num_pixels=4",
                           "--StructNeRF.num_steps=10"));
+}
+
+TEST_F(ProjectFileTest, SectionsThatACommandDoesNotKnowAreIgnored) {
+  std::ofstream(path_) << "image_path=a\n[StereoFusion]\nmin_num_pixels=4\n";
+  EXPECT_THAT(ExpandCommandLine(
+                  {"colmap", "--project_path", path_}, {"image_path"}, {}),
+              ElementsAre("colmap", "--image_path=a"));
 }
 
 TEST_F(ProjectFileTest, CommandLineWins) {

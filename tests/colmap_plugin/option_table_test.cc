@@ -175,6 +175,15 @@ TEST(OptionTable, RangesAreThoseOfTheMethod) {
   }
 }
 
+TEST(OptionTable, WordsOfPresetsMustBeWrittenOut) {
+  StructNerfOptions options;
+  options.quality = "high";
+  EXPECT_NO_THROW(CheckPresetWords(options, "structnerf", "high"));
+  EXPECT_THROW(CheckPresetWords(options, "structnerf", "medium"),
+               std::runtime_error);
+  EXPECT_THROW(CheckPresetWords(options, "nerf", "high"), std::runtime_error);
+}
+
 TEST(OptionTable, NamesOptionOutOfRange) {
   StructNerfOptions options;
   options.reconstruction.training.num_steps = 0;

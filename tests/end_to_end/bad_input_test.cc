@@ -229,6 +229,9 @@ TEST_F(BadInputTest, WrongOptions) {
   Add({"--project_path", temp_dir_ / "none.ini"});
   ExpectError(temp_dir_ / "none.ini");
   options_.arguments = arguments;
+  Add({"--StructNeRF.meth", "nerf"});
+  ExpectError("--StructNeRF.method");
+  options_.arguments = arguments;
   Remove("--input_path");
   ExpectError("--input_path");
 }

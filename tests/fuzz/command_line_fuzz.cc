@@ -104,7 +104,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, const size_t size) {
   try {
     const std::vector<std::string> expanded =
         ExpandCommandLine(args,
-                          {"image_path", "output_path", "mask_path"},
+                          {"StructNeRF.", "image_path", "mask_path"},
                           {"overwrite", "StructNeRF.print_options"});
     if (expanded.empty() || expanded[0] != args[0]) {
       FuzzFault("the program's name is lost");

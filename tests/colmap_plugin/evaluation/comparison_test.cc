@@ -158,6 +158,16 @@ TEST_F(ComparisonTest, PageShowsAllViewsAndNeedsNoOtherFile) {
   EXPECT_THAT(html, Not(HasSubstr("http")));
 }
 
+TEST_F(ComparisonTest, PageLeavesOutErrorsOfMapsThatAreMissing) {
+  WriteMaps(0, "0.png", 4, 64);
+  WriteMaps(0, "1.png", 4, 64);
+  WriteMaps(1, "1.png", 4, 64);
+  WriteTruth();
+  const std::string html = ComparisonHtml(Compare(options_, &progress_));
+  EXPECT_THAT(html, HasSubstr("alt=\"Error A of 0.png\""));
+  EXPECT_THAT(html, HasSubstr("alt=\"Error B of 1.png\""));
+}
+
 TEST_F(ComparisonTest, PicturesSomeViewsAndMeasuresAll) {
   for (size_t i = 0; i < 2; ++i) {
     for (const char* name : {"0.png", "1.png", "<&>.png"}) {
