@@ -187,11 +187,10 @@ std::vector<StabilityCase> SceneFrameCases() {
       {"scale 1e-06, offset 10", [=] {
          return MeasureTransformed(1e-6, identity, {10, -7, 0.1}, kSameRun);
        }});
-  cases.push_back(
-      {"field mlp, scale 1e-06, offset 10", [=] {
-         return MeasureTransformedNetworks(
-             1e-6, {10, -7, 0.1}, kSameNetworksRun);
-       }});
+  cases.push_back({"field mlp, scale 1e-06, offset 10", [=] {
+                     return MeasureTransformedNetworks(
+                         1e-6, {10, -7, 0.1}, kSameNetworksRun);
+                   }});
   int number = 0;
   for (const Eigen::Vector3d& axis : {Eigen::Vector3d(0, 0, 1),
                                       Eigen::Vector3d(1, 2, 3),
