@@ -20,8 +20,10 @@ constexpr int kNumSparseRays = 4;
 // Distance of pixels whose colour is held out.
 constexpr int kHeldOutStride = 16;
 
-// Other views that must see what a pixel shows for it to be pushed away.
-constexpr int kMinFarSources = 2;
+// Of the push of a blank pixel, by how many other views see what it shows:
+// none, one, more. A second view agrees to any depth; but where views are few,
+// the push is what holds against sparse points that are too near.
+constexpr float kFarShares[] = {0.0f, 0.25f, 1.0f};
 
 // Draws of four pixels until they span a stable triangle.
 constexpr int kMaxPlanarDraws = 4;
@@ -342,17 +344,16 @@ class TrainingObjective::Tile : public TileObjective {
         objective_.training_options_.rays_per_step;
     double sum = 0;
     for (int ray = 0; ray < rays_->num_rays; ++ray) {
-      if (num_sources_[ray] < kMinFarSources) {
-        continue;
-      }
+      const float share = kFarShares[std::min(num_sources_[ray], 2)];
       const size_t pixel = static_cast<size_t>(row_[ray]) *
                                objective_.views_.image(view_idx_[ray]).width +
                            col_[ray];
       float d_depth;
-      sum += EvaluateFarPush(objective_.blankness_[view_idx_[ray]][pixel],
-                             outputs.depth[ray],
-                             &d_depth);
-      gradients->d_depth[ray] += weight * d_depth;
+      sum +=
+          share * EvaluateFarPush(objective_.blankness_[view_idx_[ray]][pixel],
+                                  outputs.depth[ray],
+                                  &d_depth);
+      gradients->d_depth[ray] += weight * share * d_depth;
     }
     (*losses)[static_cast<size_t>(LossTerm::kFar)] += weight * sum;
   }

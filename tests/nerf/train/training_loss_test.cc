@@ -161,7 +161,7 @@ TEST(TrainingLoss, HeldOutPixelsHaveNoColorLoss) {
 }
 
 // Two views agree on any depth of what is blank in both; a third may object.
-TEST(TrainingLoss, OnlyWhatThreeViewsSeeIsPushedAway) {
+TEST(TrainingLoss, WhatTwoViewsSeeIsPushedLess) {
   ObjectiveScene test;
   OnlyColor(&test.loss);
   test.loss.far_weight = 0.5;
@@ -169,13 +169,13 @@ TEST(TrainingLoss, OnlyWhatThreeViewsSeeIsPushedAway) {
   for (View& view : test.scene.views) {
     std::fill(view.image.data.begin(), view.image.data.end(), uint8_t{128});
   }
-  for (const int num_views : {2, 3, 4}) {
+  for (const int num_views : {2, 3}) {
     SCOPED_TRACE(num_views);
     test.train_view_idxs.resize(num_views);
     std::iota(test.train_view_idxs.begin(), test.train_view_idxs.end(), 0);
     const TrainingObjective objective = test.MakeObjective();
     const auto tile_objective = objective.MakeTileObjective();
-    int num_pushed = 0;
+    int num_pushed[] = {0, 0, 0};  // not at all, less, fully
     for (int step = 0; step < 20; ++step) {
       RayTile rays;
       tile_objective->DrawRays(step, 0, &rays);
@@ -184,22 +184,16 @@ TEST(TrainingLoss, OnlyWhatThreeViewsSeeIsPushedAway) {
       const LossValues losses = tile_objective->Evaluate(outputs, &gradients);
       double expected = 0;
       for (int ray = 0; ray < rays.num_rays; ++ray) {
-        if (gradients.d_depth[ray] != 0) {
-          ++num_pushed;
-          expected -= 0.5 / kMaxTileRays * std::log(outputs.depth[ray]);
-          EXPECT_NEAR(gradients.d_depth[ray],
-                      -0.5 / kMaxTileRays / outputs.depth[ray],
-                      1e-6);
-        }
+        const double full = -0.5 / kMaxTileRays / outputs.depth[ray];
+        const double share = gradients.d_depth[ray] / full;
+        expected -= share * 0.5 / kMaxTileRays * std::log(outputs.depth[ray]);
+        ++num_pushed[share == 0 ? 0 : share < 0.5 ? 1 : 2];
       }
       EXPECT_NEAR(Value(losses, LossTerm::kFar), expected, 1e-5);
     }
-    if (num_views == 2) {
-      EXPECT_EQ(num_pushed, 0);
-    } else {
-      EXPECT_GT(num_pushed, 100);
-      EXPECT_LT(num_pushed, 20 * kMaxTileRays);
-    }
+    EXPECT_GT(num_pushed[0], 0);
+    EXPECT_GT(num_pushed[1], 0);
+    EXPECT_EQ(num_pushed[2] > 0, num_views == 3);
   }
 }
 
