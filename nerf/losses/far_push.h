@@ -17,8 +17,7 @@ std::vector<uint8_t> MeasureBlankness(const TrainingViews& views, int view_idx);
 // early hides what comes later, so the field would put it at the near end; this
 // pulls it away as gently as a patch that is only a little off pulls the other
 // way. Where only two views see the surface, both are content with any depth
-// behind it. Writes the derivative by depth, which must be
-// positive.
+// behind it. Writes the derivative by depth, which must be positive.
 float EvaluateFarPush(uint8_t blankness, float depth, float* d_depth);
 
 }  // namespace structnerf
