@@ -117,6 +117,13 @@ int MinNumPixels(const colmap::mvs::StereoFusionOptions& options,
              : static_cast<int>(std::clamp<size_t>(num_views / 10, 2, 5));
 }
 
+void ForgetDefaultMinNumPixels(colmap::mvs::StereoFusionOptions* options) {
+  if (options->min_num_pixels ==
+      colmap::mvs::StereoFusionOptions().min_num_pixels) {
+    options->min_num_pixels = 0;
+  }
+}
+
 size_t EstimateFusionMemory(const colmap::mvs::StereoFusionOptions& options,
                             const std::vector<PinholeCamera>& cameras) {
   size_t num_pixels = 0;

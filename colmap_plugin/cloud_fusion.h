@@ -19,6 +19,10 @@ namespace structnerf {
 int MinNumPixels(const colmap::mvs::StereoFusionOptions& options,
                  size_t num_views);
 
+// Makes COLMAP's default, which is in every project whether anybody asked for
+// it or not, that 0.
+void ForgetDefaultMinNumPixels(colmap::mvs::StereoFusionOptions* options);
+
 // Bytes that COLMAP's fusion needs at its peak for these views.
 size_t EstimateFusionMemory(const colmap::mvs::StereoFusionOptions& options,
                             const std::vector<PinholeCamera>& cameras);

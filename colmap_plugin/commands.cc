@@ -1,5 +1,6 @@
 #include "colmap_plugin/commands.h"
 
+#include "colmap_plugin/cloud_fusion.h"
 #include "colmap_plugin/colmap_compat.h"
 #include "colmap_plugin/command_line.h"
 #include "colmap_plugin/command_runner.h"
@@ -163,13 +164,9 @@ bool ParseDenseCommand(const std::vector<std::string>& raw_args,
     }
     command->model = model;
   }
-  // COLMAP writes its default, which is meant for many views, into every
-  // project file.
-  colmap::mvs::StereoFusionOptions& fusion = command->options.fusion;
-  if (FindOption(raw_args, "StereoFusion.min_num_pixels", "").empty() &&
-      fusion.min_num_pixels ==
-          colmap::mvs::StereoFusionOptions().min_num_pixels) {
-    fusion.min_num_pixels = 0;
+  // From the project file, if not from the command line.
+  if (FindOption(raw_args, "StereoFusion.min_num_pixels", "").empty()) {
+    ForgetDefaultMinNumPixels(&command->options.fusion);
   }
   return true;
 }

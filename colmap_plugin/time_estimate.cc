@@ -1,6 +1,6 @@
 #include "colmap_plugin/time_estimate.h"
 
-#include "nerf/methods.h"
+#include "colmap_plugin/option_table.h"
 
 #include <algorithm>
 #include <cmath>
@@ -73,8 +73,7 @@ QualityChoice QualityForTime(const StructNerfOptions& options,
                                      Candidate{"medium", kAll},
                                      Candidate{"medium", 1},
                                      Candidate{"low", kAll}}) {
-    planned.reconstruction =
-        ApplyMethod(options.method, QualityPreset(candidate.quality));
+    planned.reconstruction = MakePreset(options.method, candidate.quality);
     planned.reconstruction.training.num_threads =
         options.reconstruction.training.num_threads;
     stereo.num_iterations =

@@ -1,5 +1,6 @@
 #include "ui/dense_widget.h"
 
+#include "colmap_plugin/cloud_fusion.h"
 #include "colmap_plugin/input_check.h"
 #include "ui/error_dialog.h"
 #include "ui/option_page.h"
@@ -109,11 +110,7 @@ void DenseWidget::Start() {
   }
   StructNerfOptions options = *options_;
   options.fusion = link_->FusionOptions();
-  // COLMAP's default is meant for many views.
-  if (options.fusion.min_num_pixels ==
-      colmap::mvs::StereoFusionOptions().min_num_pixels) {
-    options.fusion.min_num_pixels = 0;
-  }
+  ForgetDefaultMinNumPixels(&options.fusion);
   run_ = std::make_unique<DenseRun>(options, model_);
   run_page_->ShowBegin(ImageNames(*model_), &run_->Progress());
   tabs_->setTabEnabled(kSetupTab, false);

@@ -193,13 +193,14 @@ void PlaneCompletion::FindPlanes(ThreadPool* pool, Progress* progress) {
   if (dominant.share < kMinDominantShare) {
     return;
   }
-  hypotheses_.resize(plane_views_.size());
+  std::vector<std::vector<std::vector<PlaneHypothesis>>> hypotheses(
+      plane_views_.size());
   ForEachView(plane_views_.size(), pool, progress, [&](const size_t v) {
     const int view_idx = static_cast<int>(v);
     if (plane_views_[v].segments.empty()) {
       return;
     }
-    hypotheses_[v] = FindPlaneHypotheses(
+    hypotheses[v] = FindPlaneHypotheses(
         plane_views_[v],
         border_,
         scene_.views[v].cam_from_world_rotation.cast<float>() *
@@ -211,20 +212,22 @@ void PlaneCompletion::FindPlanes(ThreadPool* pool, Progress* progress) {
   });
   chosen_.resize(plane_views_.size());
   ForEachView(plane_views_.size(), pool, progress, [&](const size_t v) {
-    if (!hypotheses_[v].empty()) {
-      chosen_[v] = ChoosePlanes(static_cast<int>(v));
+    if (!hypotheses[v].empty()) {
+      chosen_[v] = ChoosePlanes(static_cast<int>(v), hypotheses);
     }
   });
 }
 
 std::vector<ChosenPlane> PlaneCompletion::ChoosePlanes(
-    const int view_idx) const {
-  PlaneVotes votes(plane_views_[view_idx], hypotheses_[view_idx]);
+    const int view_idx,
+    const std::vector<std::vector<std::vector<PlaneHypothesis>>>& hypotheses)
+    const {
+  PlaneVotes votes(plane_views_[view_idx], hypotheses[view_idx]);
   for (size_t other = 0; other < plane_views_.size(); ++other) {
-    if (static_cast<int>(other) != view_idx && !hypotheses_[other].empty()) {
+    if (static_cast<int>(other) != view_idx && !hypotheses[other].empty()) {
       votes.Count(MakeWarp(view_idx, static_cast<int>(other)),
                   plane_views_[other],
-                  hypotheses_[other]);
+                  hypotheses[other]);
     }
   }
   return votes.Choose();

@@ -58,7 +58,12 @@ class PlaneCompletion {
   // What too few sources confirm is reliable no more.
   void ConfirmReliablePixels(ThreadPool* pool, Progress* progress);
 
-  std::vector<ChosenPlane> ChoosePlanes(int view_idx) const;
+  // `hypotheses`: by view and segment; those of a view are empty if it has
+  // none.
+  std::vector<ChosenPlane> ChoosePlanes(
+      int view_idx,
+      const std::vector<std::vector<std::vector<PlaneHypothesis>>>& hypotheses)
+      const;
 
   const Scene& scene_;
   const SceneFrame& frame_;
@@ -75,10 +80,8 @@ class PlaneCompletion {
   };
   std::vector<NormalSample> normal_samples_;
 
-  // By view and segment; empty before FindPlanes, and where there are none.
-  std::vector<std::vector<std::vector<PlaneHypothesis>>> hypotheses_;
-
-  // By view and cell of its PlaneLattice; empty likewise.
+  // By view and cell of its PlaneLattice; empty before FindPlanes, and where
+  // there are none.
   std::vector<std::vector<ChosenPlane>> chosen_;
 };
 
