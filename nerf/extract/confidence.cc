@@ -44,8 +44,7 @@ double LargestSlope(const PinholeCamera& camera,
 std::vector<float> EstimateConfidence(const PinholeCamera& camera,
                                       const DenseMaps& maps,
                                       const std::vector<float>& angles) {
-  const auto offset =
-      static_cast<int>(std::lround(PixelsPerReferencePixel(camera)));
+  const int offset = WholePixelsPerReferencePixel(camera);
   std::vector<float> confidence(maps.depth.size(), 0.0f);
   for (int row = 0; row < maps.height; ++row) {
     for (int col = 0; col < maps.width; ++col) {

@@ -3,6 +3,7 @@
 #include "nerf/scene.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace structnerf {
 
@@ -17,6 +18,12 @@ inline double PixelsPerReferencePixel(const PinholeCamera& camera) {
   return std::max(1.0,
                   static_cast<double>(std::max(camera.width, camera.height)) /
                       kReferenceMapSize);
+}
+
+// The same as a whole number of pixels, for windows and the distance of pixels
+// that are compared.
+inline int WholePixelsPerReferencePixel(const PinholeCamera& camera) {
+  return static_cast<int>(std::lround(PixelsPerReferencePixel(camera)));
 }
 
 }  // namespace structnerf

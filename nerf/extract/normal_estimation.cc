@@ -25,8 +25,7 @@ void EstimateNormals(const PinholeCamera& camera, DenseMaps* maps) {
   const int height = maps->height;
   const size_t num_pixels = static_cast<size_t>(width) * height;
   maps->normal.assign(3 * num_pixels, 0.0f);
-  const auto unit =
-      static_cast<int>(std::lround(PixelsPerReferencePixel(camera)));
+  const int unit = WholePixelsPerReferencePixel(camera);
   const int radius = kWindowRadius * unit;
   const int step = kWindowStep * unit;
   const float inverse_fx = static_cast<float>(1.0 / camera.fx);
