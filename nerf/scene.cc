@@ -106,6 +106,15 @@ Eigen::Matrix3d PinholeCamera::CalibrationMatrix() const {
   return k;
 }
 
+Eigen::Vector3d View::CamFromWorld(const Eigen::Vector3d& x_in_world) const {
+  return cam_from_world_rotation * x_in_world + cam_from_world_translation;
+}
+
+Eigen::Vector3d View::WorldFromCam(const Eigen::Vector3d& x_in_cam) const {
+  return cam_from_world_rotation.transpose() *
+         (x_in_cam - cam_from_world_translation);
+}
+
 Eigen::Vector3d View::ProjectionCenter() const {
   return -cam_from_world_rotation.transpose() * cam_from_world_translation;
 }

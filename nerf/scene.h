@@ -57,8 +57,7 @@ struct View {
   // Camera of the undistorted photograph; the maps of this view have its size.
   PinholeCamera camera;
 
-  // x_in_cam = cam_from_world_rotation * x_in_world +
-  // cam_from_world_translation
+  // See CamFromWorld().
   Eigen::Matrix3d cam_from_world_rotation = Eigen::Matrix3d::Identity();
   Eigen::Vector3d cam_from_world_translation = Eigen::Vector3d::Zero();
 
@@ -88,6 +87,14 @@ struct View {
   std::vector<float> near_depth;
   std::vector<float> far_depth;
 
+  // A point in world coordinates, in the camera's frame, world units:
+  // cam_from_world_rotation * x_in_world + cam_from_world_translation.
+  Eigen::Vector3d CamFromWorld(const Eigen::Vector3d& x_in_world) const;
+
+  // The way back.
+  Eigen::Vector3d WorldFromCam(const Eigen::Vector3d& x_in_cam) const;
+
+  // World coordinates.
   Eigen::Vector3d ProjectionCenter() const;
 
   // The camera of `image`; `camera` if that is not loaded.

@@ -26,8 +26,7 @@ bool IsContradictory(const Scene& scene, const SparsePoint& point) {
   for (const Observation& observation : point.track) {
     const View& view = scene.views[observation.view_idx];
     const PinholeCamera& camera = view.camera;
-    const Eigen::Vector3d in_view = view.cam_from_world_rotation * point.xyz +
-                                    view.cam_from_world_translation;
+    const Eigen::Vector3d in_view = view.CamFromWorld(point.xyz);
     const double longer_side = std::max(camera.width, camera.height);
     double distance = longer_side;
     if (in_view.z() > 0) {

@@ -70,8 +70,7 @@ double CountSurfaceCells(const Scene& scene,
             InterpolateDepth(thinned, x, y) *
             (camera_from_pixel * Eigen::Vector3d(x, y, 1));
         const Eigen::Vector3d x_in_field =
-            frame.FieldFromWorld(view.cam_from_world_rotation.transpose() *
-                                 (x_in_cam - view.cam_from_world_translation));
+            frame.FieldFromWorld(view.WorldFromCam(x_in_cam));
         if (IsInBox(x_in_field, frame)) {
           cells.insert(CellAt(x_in_field));
         }

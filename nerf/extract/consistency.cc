@@ -92,12 +92,9 @@ struct Source {
       : view_idx(idx),
         forward(scene.views[reference_idx], scene.views[idx]),
         backward(scene.views[idx], scene.views[reference_idx]),
-        maps(&all_maps[idx]) {
-    const View& reference = scene.views[reference_idx];
-    center = reference.cam_from_world_rotation *
-                 scene.views[idx].ProjectionCenter() +
-             reference.cam_from_world_translation;
-  }
+        maps(&all_maps[idx]),
+        center(scene.views[reference_idx].CamFromWorld(
+            scene.views[idx].ProjectionCenter())) {}
 
   int view_idx;
   PixelTransfer forward;

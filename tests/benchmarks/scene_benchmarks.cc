@@ -3,6 +3,7 @@
 #include "nerf/progress.h"
 #include "nerf/reconstructor.h"
 #include "nerf/scene_file.h"
+#include "nerf/scene_frame.h"
 #include "nerf/util/median.h"
 #include "tests/benchmarks/engine_benchmarks.h"
 
@@ -57,9 +58,7 @@ double ErrorAtPoints(const Scene& scene, const Reconstructor& reconstructor) {
       const DenseMaps& map = maps[observation.view_idx];
       const int col = static_cast<int>(std::lround(observation.xy.x()));
       const int row = static_cast<int>(std::lround(observation.xy.y()));
-      const double z = (view.cam_from_world_rotation * point.xyz +
-                        view.cam_from_world_translation)
-                           .z();
+      const double z = DepthInView(view, point.xyz);
       if (col >= 0 && row >= 0 && col < map.width && row < map.height) {
         errors.push_back(std::abs(map.depth[row * map.width + col] / z - 1));
       }

@@ -74,9 +74,7 @@ TEST_F(SceneConverterTest, CopiesCamerasPosesAndPoints) {
   // In the image coordinates of the full-size camera, whatever the image size.
   for (const Observation& observation : scene.points[4].track) {
     const View& seen_by = scene.views[observation.view_idx];
-    const Eigen::Vector3d x =
-        seen_by.cam_from_world_rotation * scene.points[4].xyz +
-        seen_by.cam_from_world_translation;
+    const Eigen::Vector3d x = seen_by.CamFromWorld(scene.points[4].xyz);
     EXPECT_NEAR(observation.xy.x(),
                 seen_by.camera.fx * x.x() / x.z() + seen_by.camera.cx,
                 1e-3);

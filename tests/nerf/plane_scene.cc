@@ -47,8 +47,7 @@ void TexturedPlane::Photograph(const int width,
       const Eigen::Vector3d in_view(depth * (x - camera.cx) / camera.fx,
                                     depth * (y - camera.cy) / camera.fy,
                                     depth);
-      const double gray = Gray(view->cam_from_world_rotation.transpose() *
-                               (in_view - view->cam_from_world_translation));
+      const double gray = Gray(view->WorldFromCam(in_view));
       for (int c = 0; c < 3; ++c) {
         view->image.data[3 * (static_cast<size_t>(row) * width + col) + c] =
             static_cast<uint8_t>(255 * gray + 0.5);
@@ -96,8 +95,7 @@ SparsePoint MakePoint(const Scene& scene,
 }
 
 Eigen::Vector3d Project(const View& view, const Eigen::Vector3d& xyz) {
-  const Eigen::Vector3d in_view =
-      view.cam_from_world_rotation * xyz + view.cam_from_world_translation;
+  const Eigen::Vector3d in_view = view.CamFromWorld(xyz);
   return Eigen::Vector3d(
       view.camera.fx * in_view.x() / in_view.z() + view.camera.cx,
       view.camera.fy * in_view.y() / in_view.z() + view.camera.cy,

@@ -57,9 +57,7 @@ TEST_F(PriorModuleTest, SeesImageAndSparsePoints) {
   const size_t pixel = static_cast<size_t>(row) * kWidth + col;
   EXPECT_NEAR(
       view.prior_depth[pixel], 1 + view.image.data[3 * pixel] / 255.0, 1e-6);
-  const double depth = (view.cam_from_world_rotation * point.xyz +
-                        view.cam_from_world_translation)
-                           .z();
+  const double depth = DepthInView(view, point.xyz);
   EXPECT_NEAR(view.prior_deviation[pixel], 1 + depth, 1e-4);
   int num_without_point = 0;
   for (const float deviation : view.prior_deviation) {

@@ -147,6 +147,19 @@ TEST(View, ProjectionCenter) {
   EXPECT_LT((view.ProjectionCenter() - center).norm(), 1e-12);
 }
 
+TEST(View, CamFromWorldAndBack) {
+  // Looks along the world's x.
+  View view;
+  view.cam_from_world_rotation << 0, 0, -1, 0, 1, 0, 1, 0, 0;
+  view.cam_from_world_translation = {0.5, -1, 2};
+  const Eigen::Vector3d in_world(3, 4, -7);
+  const Eigen::Vector3d in_view(7.5, 3, 5);
+  EXPECT_EQ(view.CamFromWorld(in_world), in_view);
+  EXPECT_EQ(view.WorldFromCam(in_view), in_world);
+  EXPECT_EQ(view.CamFromWorld(view.ProjectionCenter()),
+            Eigen::Vector3d(0, 0, 0));
+}
+
 TEST(Scene, PriorsHaveTheSizeOfTheImage) {
   Scene scene = MakeValidScene();
   scene.views[1].prior_depth.assign(300, 2);

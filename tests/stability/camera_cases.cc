@@ -35,8 +35,7 @@ void AddPoints(const TexturedPlane& plane, const int stride, Scene* scene) {
         const Eigen::Vector3d in_view(depth * (col - camera.cx) / camera.fx,
                                       depth * (row - camera.cy) / camera.fy,
                                       depth);
-        const Eigen::Vector3d xyz = view.cam_from_world_rotation.transpose() *
-                                    (in_view - view.cam_from_world_translation);
+        const Eigen::Vector3d xyz = view.WorldFromCam(in_view);
         std::vector<int> view_idxs;
         for (size_t v = 0; v < scene->views.size(); ++v) {
           const Eigen::Vector3d image_point = Project(scene->views[v], xyz);

@@ -85,8 +85,7 @@ std::vector<SparsePoint> SampleTruth(const Scene& scene) {
             depth * (row - view.camera.cy) / view.camera.fy,
             depth);
         SparsePoint point;
-        point.xyz = view.cam_from_world_rotation.transpose() *
-                    (in_view - view.cam_from_world_translation);
+        point.xyz = view.WorldFromCam(in_view);
         point.error = 1.5 * random.NextFloat();
         point.track = Observe(scene, point.xyz, &random);
         if (point.track.size() >= 2) {

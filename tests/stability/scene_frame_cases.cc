@@ -53,8 +53,7 @@ double CloudDifference(const std::vector<DenseMaps>& base_maps,
         const Eigen::Vector3d ray(
             (col - camera.cx) / camera.fx, (row - camera.cy) / camera.fy, 1);
         const Eigen::Vector3d base_point =
-            base_view.cam_from_world_rotation.transpose() *
-            (base_depth * ray - base_view.cam_from_world_translation);
+            base_view.WorldFromCam(base_depth * ray);
         const Eigen::Vector3d point = view.cam_from_world_rotation.transpose() *
                                           (maps[v].depth[pixel] * ray) +
                                       view.ProjectionCenter();

@@ -99,11 +99,9 @@ TEST(CheckConsistency, ViewsOfAPlaneConfirmEachOther) {
       const PinholeCamera& camera = view.camera;
       const double depth = test.plane.Depth(view, col, row);
       const Eigen::Vector3d in_world =
-          view.cam_from_world_rotation.transpose() *
-          (Eigen::Vector3d(depth * (col - camera.cx) / camera.fx,
-                           depth * (row - camera.cy) / camera.fy,
-                           depth) -
-           view.cam_from_world_translation);
+          view.WorldFromCam({depth * (col - camera.cx) / camera.fx,
+                             depth * (row - camera.cy) / camera.fy,
+                             depth});
       std::vector<int> expected;
       bool is_at_border = false;
       for (const int source : {1, 2}) {
@@ -252,11 +250,9 @@ TEST(CheckConsistency, ReprojectionErrorLimit) {
 // What view 0 sees at pixel (20, 15).
 Eigen::Vector3d PointAtMiddle(const PlaneMaps& test) {
   const View& view = test.scene.views[0];
-  return view.cam_from_world_rotation.transpose() *
-         (test.plane.Depth(view, 20, 15) *
-              view.camera.CalibrationMatrix().inverse() *
-              Eigen::Vector3d(20, 15, 1) -
-          view.cam_from_world_translation);
+  return view.WorldFromCam(test.plane.Depth(view, 20, 15) *
+                           view.camera.CalibrationMatrix().inverse() *
+                           Eigen::Vector3d(20, 15, 1));
 }
 
 // Between the rays of view 0 and of a source to that point, in degrees.

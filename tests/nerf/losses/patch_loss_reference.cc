@@ -75,12 +75,8 @@ std::optional<double> ReferencePatchLoss(const Scene& scene,
       const int tap_row = center_row + dy * options.dilation;
       const Eigen::Vector3d in_view =
           depth * inverse_k * Eigen::Vector3d(tap_col + 0.5, tap_row + 0.5, 1);
-      const Eigen::Vector3d in_world =
-          view.cam_from_world_rotation.transpose() *
-          (in_view - view.cam_from_world_translation);
       const Eigen::Vector3d in_source =
-          source.cam_from_world_rotation * in_world +
-          source.cam_from_world_translation;
+          source.CamFromWorld(view.WorldFromCam(in_view));
       if (in_source.z() <= 0.02 * depth) {
         return std::nullopt;
       }

@@ -52,9 +52,7 @@ void ExpectProjections(const Scene& scene, const double tolerance) {
                                     depth * (y - camera.cy) / camera.fy,
                                     depth);
       const Eigen::Vector3d expected =
-          Project(source,
-                  view.cam_from_world_rotation.transpose() *
-                      (in_view - view.cam_from_world_translation));
+          Project(source, view.WorldFromCam(in_view));
       const Eigen::Vector3d p = Warp(warp, x, y, depth);
       // In the source's image, which is half its camera's size.
       EXPECT_NEAR(p.x() / p.z(), expected.x() / 2, tolerance);

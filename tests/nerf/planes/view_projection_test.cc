@@ -44,13 +44,10 @@ class ViewProjectionTest : public testing::Test {
     const Eigen::Vector3d in_view(depth * (col + 0.5 - camera.cx) / camera.fx,
                                   depth * (row + 0.5 - camera.cy) / camera.fy,
                                   depth);
-    const Eigen::Vector3d in_world =
-        view_.cam_from_world_rotation.transpose() * in_view +
-        view_.ProjectionCenter();
     View resized = source_;
     resized.camera =
         source_.camera.Resized(source_image_.width, source_image_.height);
-    return Project(resized, in_world);
+    return Project(resized, view_.WorldFromCam(in_view));
   }
 
   View view_;
