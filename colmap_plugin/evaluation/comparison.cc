@@ -9,6 +9,7 @@
 #include "colmap_plugin/report_reader.h"
 #include "colmap_plugin/stage_progress.h"
 #include "colmap_plugin/text_output.h"
+#include "nerf/util/quantile.h"
 
 #include <algorithm>
 #include <cmath>
@@ -45,13 +46,6 @@ double ShareOfDepths(const std::optional<PredictedDepth>& map) {
   return static_cast<double>(
              std::count_if(map->depth.begin(), map->depth.end(), IsDepth)) /
          map->depth.total();
-}
-
-float Quantile(std::vector<float>* values, const double share) {
-  const auto place =
-      values->begin() + static_cast<ptrdiff_t>(share * (values->size() - 1));
-  std::nth_element(values->begin(), place, values->end());
-  return *place;
 }
 
 // Whether the view is one of `num_chosen` that are spread over `num_all`.

@@ -7,8 +7,8 @@
 #include "colmap_plugin/input_check.h"
 #include "colmap_plugin/png_file.h"
 #include "colmap_plugin/text_output.h"
+#include "nerf/util/quantile.h"
 
-#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
@@ -85,15 +85,12 @@ void WritePicture(const cv::Mat1f& depth, const std::string& path) {
       values.push_back(value);
     }
   }
-  std::sort(values.begin(), values.end());
   const auto quantile = [&](const double share) {
-    return values.empty()
-               ? 1.0f
-               : values[static_cast<size_t>(share * (values.size() - 1))];
+    return values.empty() ? 1.0f : Quantile(&values, share);
   };
-  WritePng(path,
-           DepthPicture(
-               depth, quantile(kClippedShare), quantile(1 - kClippedShare)));
+  const float nearest = quantile(kClippedShare);
+  const float farthest = quantile(1 - kClippedShare);
+  WritePng(path, DepthPicture(depth, nearest, farthest));
 }
 
 void Run(const TradeoffScene& scene,
