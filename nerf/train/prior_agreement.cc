@@ -21,21 +21,11 @@ struct SourceMap {
   SourceMap(const View& view, const View& source_view) : source(source_view) {
     const Eigen::Matrix3d rotation = source.cam_from_world_rotation *
                                      view.cam_from_world_rotation.transpose();
-    from_pixel = Calibration(source) * rotation * Calibration(view).inverse();
-    offset = Calibration(source) * (source.cam_from_world_translation -
-                                    rotation * view.cam_from_world_translation);
-  }
-
-  // Of the training image.
-  static Eigen::Matrix3d Calibration(const View& view) {
-    const PinholeCamera camera =
-        view.camera.Resized(view.image.width, view.image.height);
-    Eigen::Matrix3d k = Eigen::Matrix3d::Identity();
-    k(0, 0) = camera.fx;
-    k(1, 1) = camera.fy;
-    k(0, 2) = camera.cx;
-    k(1, 2) = camera.cy;
-    return k;
+    const Eigen::Matrix3d k = source.ImageCamera().CalibrationMatrix();
+    from_pixel =
+        k * rotation * view.ImageCamera().CalibrationMatrix().inverse();
+    offset = k * (source.cam_from_world_translation -
+                  rotation * view.cam_from_world_translation);
   }
 
   const View& source;
@@ -127,8 +117,7 @@ PriorCounts BoundRaysByPriors(const SceneFrame& frame, Scene* scene) {
     if (view.prior_depth.empty()) {
       continue;
     }
-    const ViewGeometry geometry(
-        view, view.camera.Resized(view.image.width, view.image.height), frame);
+    const ViewGeometry geometry(view, view.ImageCamera(), frame);
     view.near_depth.assign(view.prior_depth.size(), 0.0f);
     view.far_depth.assign(view.prior_depth.size(), 0.0f);
     for (size_t i = 0; i < view.prior_depth.size(); ++i) {

@@ -8,14 +8,6 @@
 namespace structnerf {
 namespace {
 
-Eigen::Matrix3d CalibrationMatrix(const View& view) {
-  const PinholeCamera camera =
-      view.camera.Resized(view.image.width, view.image.height);
-  Eigen::Matrix3d k;
-  k << camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1;
-  return k;
-}
-
 // Grey value of a pixel in [0, 1]; nothing outside the image or if masked.
 std::optional<double> Gray(const View& view, const int col, const int row) {
   if (col < 0 || row < 0 || col >= view.image.width ||
@@ -60,7 +52,8 @@ std::optional<double> ReferencePatchLoss(const Scene& scene,
                                          const double depth) {
   const View& view = scene.views[view_idx];
   const View& source = scene.views[source_idx];
-  const Eigen::Matrix3d inverse_k = CalibrationMatrix(view).inverse();
+  const Eigen::Matrix3d inverse_k =
+      view.ImageCamera().CalibrationMatrix().inverse();
   // At the border the patch moves inside.
   const int reach = options.radius * options.dilation;
   const int center_col =
@@ -81,7 +74,7 @@ std::optional<double> ReferencePatchLoss(const Scene& scene,
         return std::nullopt;
       }
       const Eigen::Vector3d pixel =
-          CalibrationMatrix(source) * in_source / in_source.z();
+          source.ImageCamera().CalibrationMatrix() * in_source / in_source.z();
       const std::optional<double> own = Gray(view, tap_col, tap_row);
       const std::optional<double> other =
           Bilinear(source, pixel.x(), pixel.y());

@@ -76,8 +76,7 @@ ObjectiveScene::ImagePoint ObjectiveScene::Identify(const RayTile& rays,
         (frame.FieldFromWorld(view.ProjectionCenter()) - origin).norm();
     if (distance < nearest) {
       nearest = distance;
-      const PinholeCamera camera =
-          view.camera.Resized(view.image.width, view.image.height);
+      const PinholeCamera camera = view.ImageCamera();
       const Eigen::Vector3d in_view = view.cam_from_world_rotation * direction;
       point.view_idx = static_cast<int>(v);
       point.x = camera.fx * in_view.x() / in_view.z() + camera.cx;
