@@ -7,6 +7,7 @@
 #include "nerf/options.h"
 #include "nerf/scene.h"
 #include "nerf/scene_frame.h"
+#include "nerf/train/ray_drawer.h"
 #include "nerf/train/scene_hints.h"
 #include "nerf/train/training_views.h"
 
@@ -64,27 +65,16 @@ class TrainingObjective {
   float SparseWeight(int step) const;
   float PriorWeight(int step) const;
 
-  void CollectPixels(const Scene& scene);
-
   const LossOptions loss_options_;
   const TrainingOptions training_options_;
-  const std::vector<int> train_view_idxs_;
   int num_tiles_ = 0;
   const float length_unit_;  // of differences of depth; field units
-  const bool is_guided_;
   const SparseForm sparse_form_;
   const PlanarForm planar_form_;
   TrainingViews views_;
   PatchLoss patch_loss_;
   SceneHints hints_;
-
-  // A row of a view that is trained on.
-  struct PixelRow {
-    int view_idx = -1;
-    int row = 0;
-    size_t last_pixel = 0;  // cumulative number of unmasked pixels
-  };
-  std::vector<PixelRow> pixel_rows_;
+  RayDrawer drawer_;
 
   // MeasureBlankness of each view; empty if the far term is off.
   std::vector<std::vector<uint8_t>> blankness_;

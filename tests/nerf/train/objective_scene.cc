@@ -1,5 +1,6 @@
 #include "tests/nerf/train/objective_scene.h"
 
+#include <cmath>
 #include <limits>
 
 #include <Eigen/LU>
@@ -60,6 +61,10 @@ TrainingObjective ObjectiveScene::MakeObjective() const {
   }
   return TrainingObjective(
       scene, frame, train_view_idxs, sources, loss, training);
+}
+
+bool ObjectiveScene::ImagePoint::IsPixelCenter() const {
+  return std::abs(x - Col() - 0.5) < 1e-3 && std::abs(y - Row() - 0.5) < 1e-3;
 }
 
 ObjectiveScene::ImagePoint ObjectiveScene::Identify(const RayTile& rays,
@@ -126,6 +131,18 @@ void ObjectiveScene::AddPoint(const double x,
       plane.point.z() -
       (plane.normal.x() * x + plane.normal.y() * y) / plane.normal.z();
   scene.points.push_back(MakePoint(scene, {x, y, z}, {0, 1, 2, 3}, error));
+}
+
+void ObjectiveScene::AddPrior(const float factor) {
+  View& view = scene.views[1];
+  for (int row = 0; row < kHeight; ++row) {
+    for (int col = 0; col < kWidth; ++col) {
+      view.prior_depth.push_back(
+          factor * static_cast<float>(TrueDepth({1, col + 0.5, row + 0.5}) /
+                                      frame.scale));
+    }
+  }
+  view.prior_deviation.assign(view.prior_depth.size(), 1e-3f);
 }
 
 }  // namespace structnerf

@@ -25,6 +25,9 @@ class ObjectiveScene {
     double y = 0;
     int Col() const { return static_cast<int>(x); }
     int Row() const { return static_cast<int>(y); }
+
+    // Up to rounding; sparse points lie elsewhere.
+    bool IsPixelCenter() const;
   };
   ImagePoint Identify(const RayTile& rays, int ray) const;
 
@@ -40,6 +43,10 @@ class ObjectiveScene {
 
   // Adds a point on the wall, seen by all views.
   void AddPoint(double x, double y, double error);
+
+  // Gives view 1 a depth prior: the wall's depth times a factor, almost
+  // certain.
+  void AddPrior(float factor);
 
   TexturedPlane plane;
   Scene scene;

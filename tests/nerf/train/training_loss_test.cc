@@ -1,5 +1,5 @@
 // Values and derivatives of the training objective's terms. Which rays are
-// drawn is in training_objective_test.cc.
+// drawn is in ray_drawer_test.cc.
 
 #include "nerf/engine/grid_engine.h"
 #include "nerf/train/keypoints.h"
@@ -290,9 +290,7 @@ TEST(TrainingLoss, RayTerminationByHand) {
     for (int ray = 0; ray < rays.num_rays; ++ray) {
       const auto begin = d_weight.begin() + ray * UniformSamples::kNumSamples;
       // Points lie off the pixels' centres.
-      const auto point = test.Identify(rays, ray);
-      const bool is_sparse = std::abs(point.x - point.Col() - 0.5) > 1e-3 ||
-                             std::abs(point.y - point.Row() - 0.5) > 1e-3;
+      const bool is_sparse = !test.Identify(rays, ray).IsPixelCenter();
       EXPECT_EQ(std::any_of(begin,
                             begin + UniformSamples::kNumSamples,
                             [](const float d) { return d != 0; }),
@@ -414,25 +412,11 @@ TEST(TrainingLoss, PriorByHand) {
   EXPECT_NEAR(Value(losses, LossTerm::kPrior), 0.5 * 0.01, 1e-6);
 }
 
-// Priors of the wall's depth for one view only.
-void AddPrior(const float factor, ObjectiveScene* test) {
-  View& view = test->scene.views[1];
-  for (int row = 0; row < 18; ++row) {
-    for (int col = 0; col < 24; ++col) {
-      view.prior_depth.push_back(
-          factor *
-          static_cast<float>(test->TrueDepth({1, col + 0.5, row + 0.5}) /
-                             test->frame.scale));
-    }
-  }
-  view.prior_deviation.assign(view.prior_depth.size(), 1e-3f);
-}
-
 TEST(TrainingLoss, DensePriorPullsAtItsViewsRays) {
   ObjectiveScene test;
   OnlyColor(&test.loss);
   test.loss.dense_prior_weight = 0.5;
-  AddPrior(1.1f, &test);
+  test.AddPrior(1.1f);
   const TrainingObjective objective = test.MakeObjective();
   const auto tile_objective = objective.MakeTileObjective();
   double sum = 0;
@@ -456,33 +440,6 @@ TEST(TrainingLoss, DensePriorPullsAtItsViewsRays) {
   }
   EXPECT_GT(num_pulled, 10);
   EXPECT_NE(sum, 0);
-}
-
-TEST(TrainingLoss, PriorsGuideTheirViewsRays) {
-  ObjectiveScene test;
-  AddPrior(1.1f, &test);
-  const TrainingObjective objective(test.scene,
-                                    test.frame,
-                                    test.train_view_idxs,
-                                    {{1}, {0}, {0}, {0}},
-                                    test.loss,
-                                    test.training,
-                                    /*is_guided=*/true);
-  RayTile rays;
-  objective.MakeTileObjective()->DrawRays(0, 0, &rays);
-  EXPECT_TRUE(rays.is_guided);
-  for (int ray = 0; ray < rays.num_rays; ++ray) {
-    const auto point = test.Identify(rays, ray);
-    if (point.view_idx == 1) {
-      EXPECT_NEAR(
-          rays.guide_depth[ray],
-          1.1 * test.TrueDepth({1, point.Col() + 0.5, point.Row() + 0.5}),
-          1e-4);
-      EXPECT_NEAR(rays.guide_deviation[ray], 1e-3 * test.frame.scale, 1e-6);
-    } else {
-      EXPECT_EQ(rays.guide_depth[ray], 0);
-    }
-  }
 }
 
 TEST(TrainingLoss, SparseEndsAndPriorFades) {

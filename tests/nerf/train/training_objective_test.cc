@@ -1,23 +1,16 @@
-// Which rays are drawn. What they are worth is in training_loss_test.cc.
+// How the objective has rays drawn, step by step. Which these are is in
+// ray_drawer_test.cc, what they are worth in training_loss_test.cc.
 
 #include "nerf/train/training_objective.h"
 
 #include "tests/nerf/train/objective_scene.h"
 
-#include <algorithm>
-#include <cmath>
-#include <functional>
 #include <map>
-#include <set>
-#include <stdexcept>
-#include <vector>
 
 #include <gtest/gtest.h>
 
 namespace structnerf {
 namespace {
-
-using ImagePoint = ObjectiveScene::ImagePoint;
 
 // The same rays, bit for bit.
 bool AreEqual(const RayTile& a, const RayTile& b) {
@@ -29,37 +22,6 @@ bool AreEqual(const RayTile& a, const RayTile& b) {
     }
   }
   return are_equal;
-}
-
-// Calls visit(step, rays, ray) for the rays of some steps' tiles.
-void ForEachRay(
-    const TrainingObjective& objective,
-    const std::vector<int>& steps,
-    const std::function<void(int step, const RayTile& rays, int ray)>& visit) {
-  const auto tile_objective = objective.MakeTileObjective();
-  for (const int step : steps) {
-    for (int tile = 0; tile < objective.NumTiles(); ++tile) {
-      RayTile rays;
-      tile_objective->DrawRays(step, tile, &rays);
-      ASSERT_EQ(rays.num_rays, kMaxTileRays);
-      for (int ray = 0; ray < rays.num_rays; ++ray) {
-        visit(step, rays, ray);
-      }
-    }
-  }
-}
-
-std::vector<int> FirstSteps(const int count) {
-  std::vector<int> steps;
-  for (int step = 0; step < count; ++step) {
-    steps.push_back(step);
-  }
-  return steps;
-}
-
-bool IsPixelCenter(const ImagePoint& point) {
-  return std::abs(point.x - point.Col() - 0.5) < 1e-3 &&
-         std::abs(point.y - point.Row() - 0.5) < 1e-3;
 }
 
 TEST(DrawRays, TilesHoldTheRaysOfAStep) {
@@ -93,45 +55,21 @@ TEST(DrawRays, DependOnSeedStepAndTileOnly) {
   EXPECT_FALSE(AreEqual(rays, other));
 }
 
-TEST(DrawRays, GoThroughPixelsOrSparsePoints) {
-  ObjectiveScene test;
-  const TrainingObjective objective = test.MakeObjective();
-  int num_sparse = 0;
-  ForEachRay(
-      objective, {0, 1, 2}, [&](int, const RayTile& rays, const int ray) {
-        const ImagePoint point = test.Identify(rays, ray);
-        const RgbImage& image = test.scene.views[point.view_idx].image;
-        ASSERT_GE(point.x, 0);
-        ASSERT_LT(point.x, image.width);
-        ASSERT_GE(point.y, 0);
-        ASSERT_LT(point.y, image.height);
-        if (IsPixelCenter(point)) {
-          return;
-        }
-        ++num_sparse;
-        bool is_observation = false;
-        for (const SparsePoint& sparse : test.scene.points) {
-          for (const Observation& observation : sparse.track) {
-            is_observation |=
-                observation.view_idx == point.view_idx &&
-                std::abs(0.5 * observation.xy.x() - point.x) < 1e-3 &&
-                std::abs(0.5 * observation.xy.y() - point.y) < 1e-3;
-          }
-        }
-        EXPECT_TRUE(is_observation) << point.x << " " << point.y;
-      });
-  EXPECT_GE(num_sparse, 3 * objective.NumTiles());
-}
-
 TEST(DrawRays, SparsePointsAreDrawnInTheFirstPartOnly) {
   ObjectiveScene test;
   test.loss.sparse_fraction = 0.5;
   std::map<int, int> num_sparse;
-  ForEachRay(test.MakeObjective(),
-             {0, 48, 49, 50, 51, 99},
-             [&](const int step, const RayTile& rays, const int ray) {
-               num_sparse[step] += !IsPixelCenter(test.Identify(rays, ray));
-             });
+  const TrainingObjective objective = test.MakeObjective();
+  const auto tile_objective = objective.MakeTileObjective();
+  for (const int step : {0, 48, 49, 50, 51, 99}) {
+    for (int tile = 0; tile < objective.NumTiles(); ++tile) {
+      RayTile rays;
+      tile_objective->DrawRays(step, tile, &rays);
+      for (int ray = 0; ray < rays.num_rays; ++ray) {
+        num_sparse[step] += !test.Identify(rays, ray).IsPixelCenter();
+      }
+    }
+  }
   EXPECT_GT(num_sparse[0], 0);
   EXPECT_EQ(num_sparse[48], num_sparse[0]);
   EXPECT_EQ(num_sparse[49], num_sparse[0]);
@@ -140,39 +78,31 @@ TEST(DrawRays, SparsePointsAreDrawnInTheFirstPartOnly) {
   EXPECT_EQ(num_sparse[99], 0);
 }
 
-TEST(DrawRays, EverySparsePointComesUp) {
+TEST(DrawRays, PriorsGuideTheirViewsRays) {
   ObjectiveScene test;
-  std::set<std::pair<int, int>> places;
-  ForEachRay(test.MakeObjective(),
-             FirstSteps(45),
-             [&](int, const RayTile& rays, const int ray) {
-               const ImagePoint point = test.Identify(rays, ray);
-               if (!IsPixelCenter(point)) {
-                 places.insert({point.view_idx,
-                                static_cast<int>(1e3 * point.x + 0.5) * 100000 +
-                                    static_cast<int>(1e3 * point.y + 0.5)});
-               }
-             });
-  size_t num_observations = 0;
-  for (const SparsePoint& point : test.scene.points) {
-    num_observations += point.track.size();
+  test.AddPrior(1.1f);
+  const TrainingObjective objective(test.scene,
+                                    test.frame,
+                                    test.train_view_idxs,
+                                    {{1}, {0}, {0}, {0}},
+                                    test.loss,
+                                    test.training,
+                                    /*is_guided=*/true);
+  RayTile rays;
+  objective.MakeTileObjective()->DrawRays(0, 0, &rays);
+  EXPECT_TRUE(rays.is_guided);
+  for (int ray = 0; ray < rays.num_rays; ++ray) {
+    const auto point = test.Identify(rays, ray);
+    if (point.view_idx == 1) {
+      EXPECT_NEAR(
+          rays.guide_depth[ray],
+          1.1 * test.TrueDepth({1, point.Col() + 0.5, point.Row() + 0.5}),
+          1e-4);
+      EXPECT_NEAR(rays.guide_deviation[ray], 1e-3 * test.frame.scale, 1e-6);
+    } else {
+      EXPECT_EQ(rays.guide_depth[ray], 0);
+    }
   }
-  EXPECT_GT(places.size(), 0.95 * num_observations);
-}
-
-TEST(DrawRays, HeldOutViewsAreNeverDrawn) {
-  ObjectiveScene test;
-  test.train_view_idxs = {0, 3};
-  std::map<int, int> counts;
-  ForEachRay(test.MakeObjective(),
-             FirstSteps(60),
-             [&](int, const RayTile& rays, const int ray) {
-               ++counts[test.Identify(rays, ray).view_idx];
-             });
-  EXPECT_EQ(counts.count(1), 0u);
-  EXPECT_EQ(counts.count(2), 0u);
-  EXPECT_GT(counts[0], 1000);
-  EXPECT_GT(counts[3], 1000);
 }
 
 TEST(IsHeldOut, OneOf256PixelsIfNoViewIs) {
@@ -191,129 +121,6 @@ TEST(IsHeldOut, OneOf256PixelsIfNoViewIs) {
   EXPECT_EQ(count(), 320 * 160 / 256);
   test.training.test_every = 2;
   EXPECT_EQ(count(), 0);
-}
-
-TEST(DrawRays, PixelsAreEquallyLikely) {
-  ObjectiveScene test;
-  test.loss.sparse_weight = 0;
-  test.loss.planar_weight = 0;
-  // An image of its own size: views count by their pixels.
-  test.plane.Photograph(12, 9, &test.scene.views[2]);
-  test.scene.views[2].segments.clear();
-  std::map<int, int> view_counts;
-  std::map<int, int> pixel_counts;
-  ForEachRay(test.MakeObjective(),
-             FirstSteps(400),
-             [&](int, const RayTile& rays, const int ray) {
-               const ImagePoint point = test.Identify(rays, ray);
-               ++view_counts[point.view_idx];
-               if (point.view_idx == 1) {
-                 ++pixel_counts[point.Row() * 24 + point.Col()];
-               }
-             });
-  const double num_rays = 400 * 256;
-  const double num_pixels = 3 * 24 * 18 + 12 * 9;
-  EXPECT_NEAR(view_counts[2], num_rays * 12 * 9 / num_pixels, 300);
-  EXPECT_NEAR(view_counts[1], num_rays * 24 * 18 / num_pixels, 900);
-  // 73 in the mean; six standard deviations.
-  ASSERT_EQ(pixel_counts.size(), 24u * 18);
-  for (const auto& [pixel, count] : pixel_counts) {
-    EXPECT_NEAR(count, num_rays / num_pixels, 51) << pixel;
-  }
-}
-
-// Masks that leave a few pixels, not under the sparse points and in part of
-// the superpixels.
-TEST(DrawRays, MaskedPixelsAreNeverDrawn) {
-  ObjectiveScene test;
-  const std::set<int> unmasked = {0, 23, 30, 31, 200, 431};
-  for (View& view : test.scene.views) {
-    view.mask.assign(24 * 18, 0);
-  }
-  for (const int pixel : unmasked) {
-    test.scene.views[1].mask[pixel] = 255;
-  }
-  std::map<int, int> counts;
-  ForEachRay(test.MakeObjective(),
-             FirstSteps(100),
-             [&](int, const RayTile& rays, const int ray) {
-               const ImagePoint point = test.Identify(rays, ray);
-               ASSERT_EQ(point.view_idx, 1);
-               ++counts[point.Row() * 24 + point.Col()];
-             });
-  // Each of them, and nothing else.
-  ASSERT_EQ(counts.size(), unmasked.size());
-  for (const int pixel : unmasked) {
-    EXPECT_GT(counts[pixel], 100 * 256 / 12) << pixel;
-  }
-}
-
-TEST(DrawRays, MasksThatLeaveNothingAreRefused) {
-  ObjectiveScene test;
-  for (View& view : test.scene.views) {
-    view.mask.assign(24 * 18, 0);
-  }
-  EXPECT_THROW(test.MakeObjective(), std::invalid_argument);
-  // Nor does a held-out view help.
-  test.scene.views[2].mask.clear();
-  test.train_view_idxs = {0, 1, 3};
-  EXPECT_THROW(test.MakeObjective(), std::invalid_argument);
-  test.train_view_idxs = {0, 1, 2};
-  EXPECT_NO_THROW(test.MakeObjective());
-}
-
-// Rays that only the planar term looks at are those of its groups.
-TEST(DrawRays, PlanarGroupsLieInOneSegment) {
-  ObjectiveScene test;
-  test.loss.patch_weight = 0;
-  test.loss.sparse_weight = 0;
-  test.loss.prior_weight = 0;
-  const TrainingObjective objective = test.MakeObjective();
-  const auto tile_objective = objective.MakeTileObjective();
-  std::map<int, int> label_counts;
-  for (int step = 0; step < 60; ++step) {
-    for (int tile = 0; tile < objective.NumTiles(); ++tile) {
-      RayTile rays;
-      tile_objective->DrawRays(step, tile, &rays);
-      // Far from any plane, so that all four have a gradient.
-      RayOutputs outputs = test.TrueOutputs(rays);
-      for (int ray = 0; ray < rays.num_rays; ++ray) {
-        outputs.depth[ray] *= 1 + 0.1f * static_cast<float>(ray % 7);
-      }
-      RayGradients gradients;
-      tile_objective->Evaluate(outputs, &gradients);
-      std::vector<ImagePoint> members;
-      for (int ray = 0; ray < rays.num_rays; ++ray) {
-        if (gradients.d_depth[ray] != 0) {
-          members.push_back(test.Identify(rays, ray));
-        }
-      }
-      ASSERT_GE(members.size(), 3u);
-      for (const ImagePoint& point : members) {
-        const int label = test.scene.views[point.view_idx]
-                              .segments[point.Row() * 24 + point.Col()];
-        EXPECT_GE(label, 0);
-        ++label_counts[label];
-      }
-    }
-  }
-  // By area: 12 x 18 against 8 x 12 pixels.
-  ASSERT_EQ(label_counts.size(), 2u);
-  EXPECT_NEAR(static_cast<double>(label_counts[3]) / label_counts[8],
-              12 * 18 / (8.0 * 12),
-              0.6);
-}
-
-TEST(DrawRays, NoSegmentsOrPoints) {
-  ObjectiveScene test;
-  test.scene.points.clear();
-  for (View& view : test.scene.views) {
-    view.segments.clear();
-  }
-  ForEachRay(
-      test.MakeObjective(), {0}, [&](int, const RayTile& rays, const int ray) {
-        EXPECT_TRUE(IsPixelCenter(test.Identify(rays, ray)));
-      });
 }
 
 }  // namespace
