@@ -1,6 +1,6 @@
 #include "nerf/stereo/depth_refinement.h"
 
-#include "tests/nerf/plane_scene.h"
+#include "tests/nerf/losses/patch_scene.h"
 
 #include <cmath>
 #include <vector>
@@ -9,13 +9,6 @@
 
 namespace structnerf {
 namespace {
-
-SceneFrame MakeFrame() {
-  SceneFrame frame;
-  frame.origin = Eigen::Vector3d(-3, -2, -1);
-  frame.scale = 0.125;
-  return frame;
-}
 
 // Three views of a slanted wall. The first one's image is smaller than its
 // camera by the given sizes.
@@ -86,7 +79,7 @@ void RefineMaps(const Scene& scene,
                 const StereoOptions& options,
                 const double max_cost,
                 DenseMaps* maps) {
-  const SceneFrame frame = MakeFrame();
+  const SceneFrame frame = MakePatchFrame();
   const TrainingViews views(scene, frame);
   const PatchMatch patch_match(scene, frame, views, {{1, 2}, {}, {}}, options);
   ThreadPool pool(2);
@@ -129,7 +122,7 @@ TEST(DepthRefinement, PlanesOfASlantedWallAreThoseOfItsMaps) {
     TexturedPlane plane;
     const Scene scene = MakeScene(&plane, width, height);
     const View& view = scene.views[0];
-    const SceneFrame frame = MakeFrame();
+    const SceneFrame frame = MakePatchFrame();
     const TrainingViews views(scene, frame);
     ThreadPool pool(2);
     DenseMaps maps = MakeMaps(plane, view, 1.0);
