@@ -4,6 +4,7 @@
 #include "colmap_plugin/colmap_compat.h"
 #include "colmap_plugin/command_line.h"
 #include "colmap_plugin/command_runner.h"
+#include "colmap_plugin/image_decisions.h"
 #include "colmap_plugin/input_check.h"
 #include "colmap_plugin/log_level.h"
 #include "colmap_plugin/option_table.h"
@@ -187,10 +188,19 @@ void PrintOptions(const DenseCommand& command) {
   if (!ModelPath(command).empty()) {
     const auto model = ModelOf(command);
     CheckModel(*model);
+    if (!options.image_path.empty()) {
+      const ImageDetail detail = ChooseImageSize(*model, &options);
+      decisions =
+          DescribeImages(options,
+                         *model,
+                         detail,
+                         options.reconstruction.training.max_image_size);
+    }
     SceneAnalysis analysis =
         AnalyzeScene(OutlineScene(*model), options.reconstruction);
     options.reconstruction = std::move(analysis.options);
-    decisions = std::move(analysis.decisions);
+    decisions.insert(
+        decisions.end(), analysis.decisions.begin(), analysis.decisions.end());
   }
   for (const OptionEntry& entry : MakeOptionTable(&options)) {
     std::cout << OptionText(entry) << std::endl;
