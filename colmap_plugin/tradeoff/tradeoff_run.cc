@@ -9,6 +9,7 @@
 #include "colmap_plugin/text_output.h"
 #include "nerf/util/quantile.h"
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
@@ -81,7 +82,7 @@ double ErrorAgainstTruth(const TradeoffScene& scene,
 void WritePicture(const cv::Mat1f& depth, const std::string& path) {
   std::vector<float> values;
   for (const float value : depth) {
-    if (value > 0) {
+    if (value > 0 && std::isfinite(value)) {
       values.push_back(value);
     }
   }

@@ -185,8 +185,8 @@ TrainingSummary Trainer::Run(Progress* progress,
   summary.guard_counts = guards.Counts();
   summary.final_loss = mean_loss;
   summary.held_out_psnr = MeasureTestPixels().Psnr();
-  summary.num_rays = static_cast<size_t>(summary.num_steps) *
-                     objective_.NumTiles() * kMaxTileRays;
+  summary.num_rays =
+      static_cast<size_t>(summary.num_steps) * objective_.NumRays();
   summary.num_samples = summary.num_rays * SamplesPerRay(options_);
   ProgressUpdate update;
   update.stage = "Training";

@@ -90,7 +90,7 @@ class TrainingObjective::Tile : public TileObjective {
                     LossValues* losses) const {
     const float weight =
         static_cast<float>(objective_.loss_options_.color_weight) /
-        objective_.training_options_.rays_per_step;
+        objective_.NumRays();
     double sum = 0;
     for (int ray = 0; ray < drawn_.tile->num_rays; ++ray) {
       if (objective_.IsHeldOut(drawn_.col[ray], drawn_.row[ray])) {
@@ -124,7 +124,7 @@ class TrainingObjective::Tile : public TileObjective {
     }
     const float weight =
         static_cast<float>(objective_.loss_options_.patch_weight) /
-        (is_dense ? objective_.training_options_.rays_per_step
+        (is_dense ? objective_.NumRays()
                   : (end - begin) * objective_.num_tiles_);
     double sum = 0;
     size_t num_compared = 0;
@@ -210,7 +210,7 @@ class TrainingObjective::Tile : public TileObjective {
     }
     const float weight =
         static_cast<float>(objective_.loss_options_.far_weight) /
-        objective_.training_options_.rays_per_step;
+        objective_.NumRays();
     double sum = 0;
     for (int ray = 0; ray < drawn_.tile->num_rays; ++ray) {
       const float share = kFarShares[std::min(num_sources_[ray], 2)];
@@ -233,8 +233,7 @@ class TrainingObjective::Tile : public TileObjective {
                     RayGradients* gradients,
                     LossValues* losses) const {
     SparseTarget target;
-    target.weight = objective_.PriorWeight(step_) /
-                    objective_.training_options_.rays_per_step;
+    target.weight = objective_.PriorWeight(step_) / objective_.NumRays();
     if (target.weight == 0) {
       return;
     }
@@ -255,7 +254,7 @@ class TrainingObjective::Tile : public TileObjective {
                          LossValues* losses) const {
     const float weight =
         static_cast<float>(objective_.loss_options_.dense_prior_weight) /
-        objective_.training_options_.rays_per_step;
+        objective_.NumRays();
     if (weight == 0) {
       return;
     }

@@ -49,8 +49,11 @@ class TrainingObjective {
   // 256 if no view is held out, else none.
   bool IsHeldOut(int col, int row) const;
 
-  // Tiles in one step.
+  // Tiles in one step: so many that TrainingOptions::rays_per_step fit.
   int NumTiles() const { return num_tiles_; }
+
+  // Rays of one step, which fill its tiles.
+  int NumRays() const { return num_tiles_ * kMaxTileRays; }
 
   // One thread's view of this objective, which must outlive it.
   std::unique_ptr<TileObjective> MakeTileObjective() const;

@@ -24,7 +24,7 @@ TEST(DepthTerms, SparseByHand) {
   for (SparsePoint& point : test.scene.points) {
     point.error = 0.7;
   }
-  for (const int rays_per_step : {32, 256}) {
+  for (const int rays_per_step : {32, 33, 256}) {
     test.training.rays_per_step = rays_per_step;
     // 10 % too far, and spread by 20 % of the point's depth.
     const LossValues losses = EvaluateStep(test, 0, [](RayOutputs* outputs) {

@@ -20,7 +20,7 @@ TEST(ImageTerms, ColorByHand) {
   OnlyColor(&test.loss);
   test.loss.color_weight = 2;
   // The mean over rays of the sum over channels, however many rays.
-  for (const int rays_per_step : {32, 64, 512}) {
+  for (const int rays_per_step : {32, 33, 64, 512}) {
     test.training.rays_per_step = rays_per_step;
     const LossValues losses = EvaluateStep(test, 0, [](RayOutputs* outputs) {
       for (int ray = 0; ray < kMaxTileRays; ++ray) {
