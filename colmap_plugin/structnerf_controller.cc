@@ -7,6 +7,7 @@
 #include "colmap_plugin/exposure_fit.h"
 #include "colmap_plugin/image_decisions.h"
 #include "colmap_plugin/input_check.h"
+#include "colmap_plugin/map_maker.h"
 #include "colmap_plugin/masks.h"
 #include "colmap_plugin/memory_budget.h"
 #include "colmap_plugin/quality_choice.h"
@@ -15,7 +16,6 @@
 #include "colmap_plugin/undistorted_images.h"
 #include "nerf/analysis/scene_analysis.h"
 #include "nerf/engine/devices.h"
-#include "nerf/extract/confidence.h"
 #include "nerf/extract/consistency.h"
 #include "nerf/scene_file.h"
 
@@ -63,7 +63,6 @@ class StructNerfController::ControllerProgress : public RunProgress {
       : controller_(controller), progress_(progress) {}
 
   void Report(const ProgressUpdate& update) override {
-    stage_ = update.stage;
     progress_->Report(update);
   }
   bool ShouldStop() override {
@@ -84,12 +83,9 @@ class StructNerfController::ControllerProgress : public RunProgress {
   void Note(const std::string& sentence) override { progress_->Note(sentence); }
   void Warn(const std::string& sentence) override { progress_->Warn(sentence); }
 
-  const std::string& Stage() const { return stage_; }
-
  private:
   StructNerfController* controller_;
   RunProgress* progress_;
-  std::string stage_;
 };
 
 StructNerfController::StructNerfController(
@@ -134,7 +130,6 @@ void StructNerfController::Run() {
       error_ = CurrentErrorText();
     }
   }
-  depth_maps_.reset();
   reconstructor_.reset();
   journal_.reset();
   staged_folder_.reset();
@@ -163,9 +158,7 @@ void StructNerfController::RunStages() {
     throw Aborted();  // nothing has been learned that could be written
   }
   Train();
-  RenderMaps();
-  CompletePlanes();
-  CheckConsistency();
+  MakeMaps();
   FusePoints();
   WriteResults();
 }
@@ -243,7 +236,7 @@ void StructNerfController::PrepareToResume() {
 }
 
 void StructNerfController::UndistortImages() {
-  BeginStage("Undistorting images");
+  StageProgress stage = BeginStage("Undistorting images");
   mask_path_ = options_.mask_path;
   if (!HasNewWorkspace()) {
     // Fusion finds images and model beside the maps that are being made.
@@ -265,7 +258,7 @@ void StructNerfController::UndistortImages() {
         mask_path_,
         *workspace_,
         [&](const size_t num_done) {
-          ReportFraction(num_done, reconstruction_->NumRegImages());
+          stage.Report(num_done, reconstruction_->NumRegImages());
           return progress_->ShouldStop();
         },
         journal_.get());
@@ -333,7 +326,6 @@ void StructNerfController::Train() {
       progress_.get(), checkpoint_options_, TrainingSeconds());
   report_.training = reconstructor_->Summary();
   options_.reconstruction = reconstructor_->Options();
-  source_views_ = reconstructor_->SourceViews();
 }
 
 double StructNerfController::TrainingSeconds() {
@@ -361,94 +353,30 @@ double StructNerfController::TrainingSeconds() {
   return seconds;
 }
 
-void StructNerfController::RenderMaps() {
-  BeginStage("Rendering depth maps");
-  for (size_t i = 0; i < image_names_.size(); ++i) {
-    reconstructor_->AddMaps(i, RenderView(i));
-    ReportFraction(i + 1, image_names_.size());
-  }
+void StructNerfController::MakeMaps() {
+  MapMakerOptions maker_options;
+  maker_options.image_names = image_names_;
+  maker_options.mask_path = mask_path_;
+  maker_options.reuses_maps = checkpoint_.is_complete;
+  maker_options.max_bytes = memory_plan_.depth_map_bytes;
+  maker_options.extraction = extraction_;
+  maker_options.num_threads = options_.reconstruction.training.num_threads;
+  MapMaker maker(maker_options, &scene_, workspace_.get(), journal_.get());
+
+  StageProgress rendering = BeginStage("Rendering depth maps");
+  maker.RenderMaps(reconstructor_.get(), &rendering);
   reconstructor_->SaveField(workspace_->FieldPath());
-}
 
-DenseMaps StructNerfController::RenderView(const size_t view_idx) {
-  const std::string& name = image_names_[view_idx];
-  const std::string path = workspace_->MatchedMapsPath(name);
-  // Maps of a field that was trained again from an older checkpoint do not
-  // count: training may have been stopped at another step.
-  if (checkpoint_.is_complete && journal_->IsIntact(path)) {
-    return workspace_->ReadMatchedMaps(name);
-  }
-  SilentProgress view_progress(progress_.get());
-  const DenseMaps maps = reconstructor_->RenderView(view_idx, &view_progress);
-  workspace_->WriteMatchedMaps(name, maps);
-  journal_->Add(path);
-  return maps;
-}
+  StageProgress completion = BeginStage("Completing planes");
+  report_.num_completed_pixels =
+      maker.CompletePlanes(reconstructor_.get(), &completion);
+  const std::vector<std::vector<int>> source_views =
+      reconstructor_->SourceViews();
+  reconstructor_.reset();  // its memory is the maps' from now on
 
-void StructNerfController::CompletePlanes() {
-  BeginStage("Completing planes");
-  depth_maps_ = std::make_unique<DepthMapCache>(
-      workspace_.get(), image_names_, memory_plan_.depth_map_bytes);
-  reconstructor_->FindPlanes(progress_.get());
-  for (size_t i = 0; i < image_names_.size(); ++i) {
-    const std::string& name = image_names_[i];
-    DenseMaps completed = workspace_->ReadMatchedMaps(name);
-    report_.num_completed_pixels +=
-        reconstructor_->CompletePlanes(i, &completed);
-    StereoMaps maps{completed.width,
-                    completed.height,
-                    std::move(completed.depth),
-                    std::move(completed.normal)};
-    if (!mask_path_.empty()) {
-      const auto mask = ReadMask(mask_path_, name, maps.width, maps.height);
-      if (!mask.empty()) {
-        maps.KeepOnly(mask);
-      }
-    }
-    workspace_->WriteMaps(name, MapType::kPhotometric, maps);
-    report_.views.push_back({name,
-                             maps.width,
-                             maps.height,
-                             maps.NumDepths(),
-                             /*num_geometric=*/0,
-                             scene_.views[i].exposure});
-    depth_maps_->Insert(i, std::move(maps));
-    ReportFraction(i + 1, image_names_.size());
-  }
-  reconstructor_.reset();
-}
-
-void StructNerfController::CheckConsistency() {
-  BeginStage("Checking consistency");
-  ThreadPool pool(options_.reconstruction.training.num_threads);
-  for (size_t i = 0; i < image_names_.size(); ++i) {
-    const std::string& name = image_names_[i];
-    std::vector<int> required = source_views_[i];
-    required.push_back(static_cast<int>(i));
-    const std::vector<DenseMaps>& all_maps = depth_maps_->Require(required);
-    const ViewConsistency consistency = structnerf::CheckConsistency(
-        scene_, all_maps, i, source_views_[i], extraction_, &pool);
-
-    const DenseMaps& photometric = all_maps[i];
-    workspace_->WriteConfidence(
-        name,
-        photometric.width,
-        photometric.height,
-        EstimateConfidence(
-            scene_.views[i].camera, photometric, consistency.angles));
-    StereoMaps maps{photometric.width,
-                    photometric.height,
-                    photometric.depth,
-                    photometric.normal};
-    maps.KeepOnly(ConfirmedPixels(consistency, maps.width));
-    workspace_->WriteMaps(name, MapType::kGeometric, maps);
-    workspace_->WriteConsistencyGraph(
-        name, maps.width, maps.height, consistency.records);
-    report_.views[i].num_geometric = maps.NumDepths();
-    ReportFraction(i + 1, image_names_.size());
-  }
-  depth_maps_.reset();
-  workspace_->WriteConfigs(image_names_, source_views_);
+  StageProgress check = BeginStage("Checking consistency");
+  maker.CheckConsistency(source_views, &check);
+  report_.views = maker.Views();
 }
 
 void StructNerfController::FusePoints() {
@@ -500,17 +428,9 @@ void StructNerfController::WriteResults() {
   DenseWorkspace(options_.ResultPath()).RemoveMatchedMaps();
 }
 
-void StructNerfController::BeginStage(const std::string& name) {
+StageProgress StructNerfController::BeginStage(const std::string& name) {
   timer_.Begin(name);
-  ProgressUpdate update;
-  update.stage = name;
-  progress_->Report(update);
-  PauseOrAbort(progress_.get());
-}
-
-void StructNerfController::ReportFraction(const size_t num_done,
-                                          const size_t num_all) {
-  ReportItems(progress_->Stage(), num_done, num_all, progress_.get());
+  return StageProgress(name, progress_.get());
 }
 
 void StructNerfController::Warn(const std::string& sentence) {

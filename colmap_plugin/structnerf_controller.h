@@ -1,11 +1,11 @@
 #pragma once
 
 #include "colmap_plugin/dense_workspace.h"
-#include "colmap_plugin/depth_map_cache.h"
 #include "colmap_plugin/file_journal.h"
 #include "colmap_plugin/run_plan.h"
 #include "colmap_plugin/run_progress.h"
 #include "colmap_plugin/run_report.h"
+#include "colmap_plugin/stage_progress.h"
 #include "colmap_plugin/staged_folder.h"
 #include "colmap_plugin/structnerf_options.h"
 #include "colmap_plugin/time_budget.h"
@@ -73,9 +73,7 @@ class StructNerfController : public colmap::BaseController {
   void UndistortImages();
   void LoadScene();
   void Train();
-  void RenderMaps();
-  void CompletePlanes();
-  void CheckConsistency();
+  void MakeMaps();
   void FusePoints();
   void WriteResults();
 
@@ -83,12 +81,7 @@ class StructNerfController : public colmap::BaseController {
   // fast this machine is.
   double TrainingSeconds();
 
-  // The maps of a view before planes are completed, written or as an earlier
-  // run has written them.
-  DenseMaps RenderView(size_t view_idx);
-
-  void BeginStage(const std::string& name);
-  void ReportFraction(size_t num_done, size_t num_all);
+  StageProgress BeginStage(const std::string& name);
   void Warn(const std::string& sentence);
   bool HasNewWorkspace() const { return options_.workspace_path.empty(); }
 
@@ -111,8 +104,6 @@ class StructNerfController : public colmap::BaseController {
   Scene scene_;
   ExtractionOptions extraction_;  // fitted to the scene
   std::unique_ptr<Reconstructor> reconstructor_;
-  std::vector<std::vector<int>> source_views_;
-  std::unique_ptr<DepthMapCache> depth_maps_;
 
   StageTimer timer_;
   RunReport report_;
