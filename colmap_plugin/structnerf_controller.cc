@@ -367,7 +367,10 @@ void StructNerfController::MakeMaps() {
   maker.RenderMaps(reconstructor_.get(), &rendering);
   reconstructor_->SaveField(workspace_->FieldPath());
 
-  StageProgress completion = BeginStage("Completing planes");
+  // Where depth was not matched, no planes are looked for.
+  StageProgress completion = BeginStage(
+      options_.reconstruction.CompletesPlanes() ? "Completing planes"
+                                                : "Writing depth maps");
   report_.num_completed_pixels =
       maker.CompletePlanes(reconstructor_.get(), &completion);
   const std::vector<std::vector<int>> source_views =

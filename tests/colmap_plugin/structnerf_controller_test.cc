@@ -9,6 +9,8 @@
 #include <memory>
 #include <new>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -19,6 +21,8 @@ namespace {
 namespace fs = std::filesystem;
 
 using Status = StructNerfController::Status;
+using testing::Contains;
+using testing::ElementsAre;
 using testing::HasSubstr;
 
 // Throws when a stage is reported.
@@ -67,9 +71,36 @@ class StructNerfControllerTest : public testing::Test {
     return controller;
   }
 
+  // Of the report of a run that succeeds.
+  std::vector<std::string> StageNames() {
+    RunProgress silent;
+    const auto controller = Run(&silent);
+    EXPECT_EQ(controller->GetStatus(), Status::kSuccess) << controller->Error();
+    std::vector<std::string> names;
+    for (const StageReport& stage : controller->Report().stages) {
+      names.push_back(stage.name);
+    }
+    fs::remove_all(options_.output_path);
+    return names;
+  }
+
   const TempDir folder_;
   StructNerfOptions options_;
 };
+
+TEST_F(StructNerfControllerTest, StagesAreNamedByWhatIsDone) {
+  EXPECT_THAT(StageNames(),
+              ElementsAre("Undistorting images",
+                          "Loading images",
+                          "Training",
+                          "Rendering depth maps",
+                          "Writing depth maps",
+                          "Checking consistency",
+                          "Fusing points"));
+
+  options_.reconstruction.stereo.num_iterations = 1;
+  EXPECT_THAT(StageNames(), Contains("Completing planes"));
+}
 
 TEST_F(StructNerfControllerTest, WhateverIsThrownBecomesASentence) {
   struct Error {
