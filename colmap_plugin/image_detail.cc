@@ -1,12 +1,12 @@
 #include "colmap_plugin/image_detail.h"
 
+#include "colmap_plugin/image_file.h"
 #include "nerf/util/median.h"
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 namespace structnerf {
@@ -34,8 +34,7 @@ cv::Size SizeTimes(const cv::Mat& image, const double factor) {
 
 // At most `max_image_size` long; empty if it cannot be read.
 cv::Mat ReadGray(const std::string& path, const int max_image_size) {
-  const cv::Mat image =
-      cv::imread(path, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
+  const cv::Mat image = ReadGreyImage(path);
   const int longest_side = std::max(image.cols, image.rows);
   if (longest_side <= max_image_size) {
     return image;

@@ -1,6 +1,7 @@
 #include "colmap_plugin/masks.h"
 
 #include "colmap_plugin/colmap_compat.h"
+#include "colmap_plugin/image_file.h"
 #include "colmap_plugin/png_file.h"
 
 #include <filesystem>
@@ -9,7 +10,6 @@
 #include <colmap/image/undistortion.h>
 #include <colmap/sensor/bitmap.h>
 
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 namespace structnerf {
@@ -24,15 +24,10 @@ cv::Mat Binarize(const cv::Mat& mask, const double threshold) {
   return binary;
 }
 
-// Empty if there is no whole image.
-cv::Mat ReadGrey(const std::string& path) {
-  return cv::imread(path, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
-}
-
 cv::Mat ReadCheckedMask(const std::string& path,
                         const int width,
                         const int height) {
-  const cv::Mat mask = ReadGrey(path);
+  const cv::Mat mask = ReadGreyImage(path);
   if (mask.empty()) {
     throw std::runtime_error("The mask " + path +
                              " cannot be read; it must be a PNG image.");
@@ -94,7 +89,7 @@ void UndistortMasks(const colmap::Reconstruction& reconstruction,
         options, bitmap, camera, &undistorted_bitmap, &undistorted_camera);
     // COLMAP does not always notice a full disk, but then nothing is read back.
     const bool is_written = undistorted_bitmap.Write(output);
-    const cv::Mat undistorted = ReadGrey(output);
+    const cv::Mat undistorted = ReadGreyImage(output);
     if (!is_written || undistorted.empty()) {
       throw std::runtime_error("The file " + output +
                                " could not be written; is the disk full?");

@@ -1,6 +1,7 @@
 #include "colmap_plugin/scene_converter.h"
 
 #include "colmap_plugin/colmap_compat.h"
+#include "colmap_plugin/image_file.h"
 #include "colmap_plugin/masks.h"
 #include "colmap_plugin/superpixels.h"
 #include "nerf/scene_guards.h"
@@ -15,7 +16,6 @@
 
 #include <colmap/image/undistortion.h>
 
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 namespace structnerf {
@@ -42,11 +42,8 @@ View ConvertPose(const colmap::Reconstruction& reconstruction,
 }
 
 cv::Mat ReadImage(const SceneConverterOptions& options, const View& view) {
-  const std::string path =
-      (std::filesystem::path(options.image_path) / view.name).string();
-  // COLMAP does not turn images as their EXIF data says, so neither do we.
-  const cv::Mat image =
-      cv::imread(path, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
+  const cv::Mat image = ReadColorImage(
+      (std::filesystem::path(options.image_path) / view.name).string());
   if (image.empty()) {
     throw std::runtime_error("The undistorted image " + view.name +
                              " cannot be read; it is damaged, or the disk is "

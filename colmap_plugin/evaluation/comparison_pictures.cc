@@ -2,10 +2,9 @@
 
 #include "colmap_plugin/evaluation/map_differences.h"
 #include "colmap_plugin/evaluation/map_pictures.h"
+#include "colmap_plugin/image_file.h"
 
 #include <algorithm>
-
-#include <opencv2/imgcodecs.hpp>
 
 namespace structnerf {
 namespace {
@@ -79,8 +78,7 @@ class PictureMaker {
   HtmlPicture Photograph() const {
     return Picture(
         "Photograph",
-        cv::imread(sources_.maps[0]->Workspace().ImagePath(name_),
-                   cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION));
+        ReadColorImage(sources_.maps[0]->Workspace().ImagePath(name_)));
   }
 
   HtmlPicture TrueDepth() const {

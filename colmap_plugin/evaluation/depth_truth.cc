@@ -1,5 +1,6 @@
 #include "colmap_plugin/evaluation/depth_truth.h"
 
+#include "colmap_plugin/image_file.h"
 #include "colmap_plugin/text_output.h"
 #include "nerf/util/median.h"
 
@@ -136,7 +137,7 @@ cv::Mat1f DepthTruth::ReadMasked(const std::string& image_name,
   cv::Mat1f depth = Read(image_name, camera);
   if (!options_.mask_path.empty()) {
     const std::string path = FilePath(options_.mask_path, image_name);
-    cv::Mat1b mask = cv::imread(path, cv::IMREAD_GRAYSCALE);
+    cv::Mat1b mask = ReadGreyImage(path);
     if (mask.empty()) {
       throw std::runtime_error("The mask of the ground truth " + path +
                                " cannot be read.");

@@ -3,6 +3,7 @@
 #include "colmap_plugin/dense_workspace.h"
 #include "colmap_plugin/evaluation/image_metrics.h"
 #include "colmap_plugin/evaluation/model_alignment.h"
+#include "colmap_plugin/image_file.h"
 #include "colmap_plugin/input_check.h"
 #include "colmap_plugin/scene_converter.h"
 #include "nerf/perceptual_module.h"
@@ -11,8 +12,6 @@
 #include <memory>
 #include <stdexcept>
 #include <unordered_set>
-
-#include <opencv2/imgcodecs.hpp>
 
 namespace structnerf {
 namespace {
@@ -35,8 +34,7 @@ colmap::Camera PinholeCameraOf(const PinholeCamera& camera) {
 
 // Interleaved RGB in [0, 1].
 std::vector<float> ReadPhotograph(const std::string& path, const View& view) {
-  const cv::Mat3b image =
-      cv::imread(path, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
+  const cv::Mat3b image = ReadColorImage(path);
   if (image.cols != view.camera.width || image.rows != view.camera.height) {
     throw std::runtime_error(
         "The photograph " + path +

@@ -1,12 +1,12 @@
 #include "colmap_plugin/evaluation/plane_evaluation.h"
 
 #include "colmap_plugin/evaluation/pixel_lookup.h"
+#include "colmap_plugin/image_file.h"
 #include "colmap_plugin/scene_converter.h"
 
 #include <filesystem>
 #include <stdexcept>
 
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 namespace structnerf {
@@ -14,8 +14,7 @@ namespace {
 
 // The photograph at the size of the depth map.
 cv::Mat3b ReadPhotograph(const std::string& path, const cv::Size size) {
-  cv::Mat3b image =
-      cv::imread(path, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
+  cv::Mat3b image = ReadColorImage(path);
   if (image.empty()) {
     throw std::runtime_error("The undistorted image " + path +
                              " cannot be read.");

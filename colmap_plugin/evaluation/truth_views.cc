@@ -3,12 +3,12 @@
 #include "colmap_plugin/colmap_compat.h"
 #include "colmap_plugin/evaluation/pixel_lookup.h"
 #include "colmap_plugin/evaluation/texture_mask.h"
+#include "colmap_plugin/image_file.h"
 
 #include <filesystem>
 #include <stdexcept>
 #include <utility>
 
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 namespace structnerf {
@@ -63,8 +63,7 @@ cv::Mat1f TruthViews::Depth(const std::string& name) const {
 cv::Mat1b TruthViews::Textured(const std::string& name,
                                const cv::Size size) const {
   const std::string path = (std::filesystem::path(image_path_) / name).string();
-  const cv::Mat1b image =
-      cv::imread(path, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
+  const cv::Mat1b image = ReadGreyImage(path);
   if (image.empty()) {
     throw std::runtime_error("The image " + path +
                              ", which belongs to ground truth, cannot be "
