@@ -1,6 +1,7 @@
 #include "colmap_plugin/run_report.h"
 
 #include "colmap_plugin/colmap_compat.h"
+#include "colmap_plugin/json_text.h"
 #include "colmap_plugin/memory_budget.h"
 #include "colmap_plugin/text_output.h"
 
@@ -208,7 +209,7 @@ std::string ReportJson(const RunReport& report) {
                          {"points", report.num_fused_points}}},
                        {"warnings", report.warnings}};
   // Image names need not be UTF-8.
-  return object.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
+  return JsonText(object);
 }
 
 std::string ReportText(const RunReport& report) {

@@ -1,6 +1,7 @@
 #include "colmap_plugin/evaluation/comparison_report.h"
 
 #include "colmap_plugin/evaluation/evaluation_report.h"
+#include "colmap_plugin/json_text.h"
 #include "colmap_plugin/text_output.h"
 
 #include <filesystem>
@@ -181,7 +182,7 @@ std::string ComparisonJson(const Comparison& comparison) {
                        {"views", std::move(views)},
                        {"notes", comparison.notes}};
   // Image names need not be UTF-8.
-  return object.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
+  return JsonText(object);
 }
 
 std::string ComparisonText(const Comparison& comparison) {

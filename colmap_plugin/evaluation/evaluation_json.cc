@@ -1,4 +1,5 @@
 #include "colmap_plugin/evaluation/evaluation_report.h"
+#include "colmap_plugin/json_text.h"
 #include "nerf/extract/confidence.h"
 
 #include <nlohmann/json.hpp>
@@ -183,7 +184,7 @@ std::string EvaluationJson(const Evaluation& evaluation) {
     object["held_out"] = HeldOutJson(evaluation);
   }
   // Image names need not be UTF-8.
-  return object.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
+  return JsonText(object);
 }
 
 }  // namespace structnerf

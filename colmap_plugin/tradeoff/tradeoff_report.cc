@@ -2,6 +2,7 @@
 
 #include "colmap_plugin/evaluation/html_page.h"
 #include "colmap_plugin/evaluation/map_pictures.h"
+#include "colmap_plugin/json_text.h"
 #include "colmap_plugin/memory_budget.h"
 #include "colmap_plugin/png_file.h"
 #include "colmap_plugin/terminal_progress.h"
@@ -77,7 +78,7 @@ std::string TradeoffJson(const TradeoffScene& scene,
                                   {"is_on_front", is_on_front[i] == true},
                                   {"runs", runs}});
   }
-  return object.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
+  return JsonText(object);
 }
 
 std::string TradeoffHtml(const TradeoffScene& scene,

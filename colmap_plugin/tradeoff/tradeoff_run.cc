@@ -5,6 +5,7 @@
 #include "colmap_plugin/evaluation/map_pictures.h"
 #include "colmap_plugin/evaluation/workspace_maps.h"
 #include "colmap_plugin/input_check.h"
+#include "colmap_plugin/json_text.h"
 #include "colmap_plugin/png_file.h"
 #include "colmap_plugin/text_output.h"
 #include "nerf/util/quantile.h"
@@ -131,8 +132,7 @@ TradeoffMeasurement MeasureSetting(const TradeoffScene& scene,
   const fs::path path = folder / "measurement.json";
   // As the file has it, which is UTF-8 whatever the paths are.
   const json description =
-      json::parse(DescribeMeasurement(scene, setting)
-                      .dump(-1, ' ', false, json::error_handler_t::replace));
+      json::parse(JsonText(DescribeMeasurement(scene, setting)));
   TradeoffMeasurement measurement;
   if (fs::exists(path)) {
     const json old = ReadJson(path);
@@ -181,14 +181,12 @@ TradeoffMeasurement MeasureSetting(const TradeoffScene& scene,
   WritePicture(maps.Find(names[names.size() / 2]).value().depth,
                TradeoffPicturePath(scene, setting, seed));
   WriteTextFile(path.string(),
-                json{{"of", description},
-                     {"seconds", measurement.seconds},
-                     {"cpu_seconds", measurement.cpu_seconds},
-                     {"peak_bytes", measurement.peak_bytes},
-                     {"error", measurement.error},
-                     {"held_out_psnr", measurement.held_out_psnr}}
-                        .dump(2, ' ', false, json::error_handler_t::replace) +
-                    "\n");
+                JsonText({{"of", description},
+                          {"seconds", measurement.seconds},
+                          {"cpu_seconds", measurement.cpu_seconds},
+                          {"peak_bytes", measurement.peak_bytes},
+                          {"error", measurement.error},
+                          {"held_out_psnr", measurement.held_out_psnr}}));
   fs::remove_all(workspace_path);
   return measurement;
 }

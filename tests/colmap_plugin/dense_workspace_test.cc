@@ -2,10 +2,10 @@
 
 #include "tests/support/file_size_limit.h"
 #include "tests/support/temp_dir.h"
+#include "tests/support/text_file.h"
 
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 
 #include <colmap/mvs/consistency_graph.h>
 #include <colmap/mvs/depth_map.h>
@@ -20,11 +20,6 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
-
-std::string ReadText(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 // Width 3 and height 2, every value different.
 StereoMaps MakeMaps() {

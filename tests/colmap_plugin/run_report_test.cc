@@ -1,11 +1,10 @@
 #include "colmap_plugin/run_report.h"
 
 #include "tests/support/temp_dir.h"
+#include "tests/support/text_file.h"
 
 #include <chrono>
 #include <ctime>
-#include <fstream>
-#include <iterator>
 #include <thread>
 
 #include <gmock/gmock.h>
@@ -42,11 +41,6 @@ RunReport MakeReport() {
   report.warnings = {"View b.png has no sparse points."};
   report.workspace_path = "DENSE";
   return report;
-}
-
-std::string ReadText(const std::string& path) {
-  std::ifstream file(path);
-  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 TEST(RunReport, JsonHoldsTypedValues) {

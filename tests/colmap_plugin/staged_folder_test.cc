@@ -1,10 +1,10 @@
 #include "colmap_plugin/staged_folder.h"
 
 #include "tests/support/temp_dir.h"
+#include "tests/support/text_file.h"
 
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <memory>
 #include <string>
 #include <vector>
@@ -22,11 +22,6 @@ using testing::HasSubstr;
 void WriteText(const std::string& path, const std::string& text) {
   fs::create_directories(fs::path(path).parent_path());
   std::ofstream(path) << text;
-}
-
-std::string ReadText(const std::string& path) {
-  std::ifstream file(path);
-  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 std::string ErrorOf(const std::string& output_path) {

@@ -1,16 +1,12 @@
 #pragma once
 
-#include <string>
+#include "tests/support/json_file.h"
 
-#include <nlohmann/json.hpp>
+#include <string>
 
 namespace structnerf {
 
-// Both throw nlohmann::json::exception if the file is missing or no JSON.
-
-nlohmann::json ReadJson(const std::string& path);
-
-// Of the run that wrote the workspace.
+// Of the run that wrote the workspace. Throws as ReadJson does.
 nlohmann::json ReadReport(const std::string& workspace_path);
 
 }  // namespace structnerf

@@ -1,8 +1,9 @@
+#include "tests/support/json_file.h"
+
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <map>
 #include <numeric>
@@ -87,16 +88,6 @@ struct Row {
   std::vector<std::optional<Cell>> cells;
   std::vector<bool> is_measured;
 };
-
-json ReadJson(const fs::path& path) {
-  std::ifstream file(path);
-  try {
-    return json::parse(file);
-  } catch (const json::exception& error) {
-    throw std::runtime_error("The file " + path.string() +
-                             " is missing or no JSON (" + error.what() + ").");
-  }
-}
 
 std::vector<fs::path> SortedEntries(const fs::path& folder) {
   std::vector<fs::path> paths;

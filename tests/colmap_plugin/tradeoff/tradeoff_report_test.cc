@@ -1,9 +1,7 @@
 #include "colmap_plugin/tradeoff/tradeoff_report.h"
 
 #include "tests/support/temp_dir.h"
-
-#include <fstream>
-#include <sstream>
+#include "tests/support/text_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,13 +12,6 @@ namespace structnerf {
 namespace {
 
 using testing::HasSubstr;
-
-std::string ReadText(const std::string& path) {
-  std::ifstream file(path);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
 
 class TradeoffReportTest : public testing::Test {
  protected:
