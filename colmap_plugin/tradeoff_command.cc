@@ -97,6 +97,7 @@ int RunStructNerfTradeoff(const int argc, char** argv) {
     for (TradeoffSetting& setting : ParseTradeoffSettings(command.settings)) {
       settings.push_back({std::move(setting), {}});
     }
+    PrepareScene(&command.scene);
     fs::create_directories(command.scene.output_path);
     const ScopedInterrupts interrupts;  // the run ends itself then
     // Seed by seed, so that what was measured so far says something about all.

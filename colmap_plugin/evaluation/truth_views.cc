@@ -40,8 +40,9 @@ TruthViews::TruthViews(const colmap::Reconstruction& model,
   }
   if (image_ids_.empty()) {
     throw std::runtime_error(
-        "No image of the model has ground truth in " + options.path +
-        "; the depth of a/b.jpg is looked for in a/b.png and a/b.jpg.png.");
+        "No image of the model has ground truth in the folder " + options.path +
+        " of --ground_truth_path; the depth of a/b.jpg is looked for in "
+        "a/b.png and a/b.jpg.png.");
   }
   for (const auto& entry : image_ids_) {
     names_.push_back(entry.first);

@@ -7,6 +7,7 @@
 #include "colmap_plugin/input_check.h"
 #include "colmap_plugin/json_text.h"
 #include "colmap_plugin/png_file.h"
+#include "colmap_plugin/run_identity.h"
 #include "colmap_plugin/text_output.h"
 #include "nerf/util/quantile.h"
 
@@ -49,15 +50,42 @@ json ReadJson(const fs::path& path) {
   }
 }
 
-// What a measurement belongs to.
+// What a measurement, or a run that has not been measured yet, belongs to.
 json DescribeMeasurement(const TradeoffScene& scene,
                          const TradeoffSetting& setting) {
-  return {{"images", fs::absolute(scene.image_path).string()},
-          {"model", fs::absolute(scene.input_path).string()},
-          {"masks", scene.mask_path},
-          {"truth", scene.truth.path},
-          {"truth_scale", scene.truth.scale},
-          {"setting", setting.name}};
+  const json description = {{"images", fs::absolute(scene.image_path).string()},
+                            {"model", fs::absolute(scene.input_path).string()},
+                            {"masks", scene.mask_path},
+                            {"truth", scene.truth.path},
+                            {"truth_scale", scene.truth.scale},
+                            {"fingerprint", scene.fingerprint},
+                            {"setting", setting.name}};
+  // As a file has it, which is UTF-8 whatever the paths are.
+  return json::parse(JsonText(description));
+}
+
+void RequireSame(const json& found,
+                 const json& expected,
+                 const TradeoffScene& scene) {
+  if (found != expected) {
+    throw std::runtime_error(
+        "The output folder " + scene.output_path +
+        " holds runs on other images, masks or ground truth, or on another "
+        "model; choose another --output_path, or remove that folder.");
+  }
+}
+
+SceneScale EstimateScale(const TruthViews& truth, const TradeoffScene& scene) {
+  const SceneScale scale = truth.EstimateScale();
+  if (scale.num_observations == 0) {
+    throw std::runtime_error(
+        "The scale of the model is not known, because no sparse point has "
+        "ground truth in " +
+        scene.truth.path +
+        "; correct --ground_truth_path, or leave it out to measure how far "
+        "views agree instead.");
+  }
+  return scale;
 }
 
 // Of these maps alone: the rest of an evaluation takes longer and is not
@@ -66,13 +94,7 @@ double ErrorAgainstTruth(const TradeoffScene& scene,
                          const WorkspaceMaps& maps) {
   const colmap::Reconstruction model = ReadModel(scene.input_path);
   TruthViews truth(model, scene.image_path, scene.truth);
-  const SceneScale scale = truth.EstimateScale();
-  if (scale.num_observations == 0) {
-    throw std::runtime_error(
-        "The scale of the model is not known: no sparse "
-        "point has ground truth in " +
-        scene.truth.path + ".");
-  }
+  const SceneScale scale = EstimateScale(truth, scene);
   const auto source = [&](const std::string& name) { return maps.Find(name); };
   Progress silent;
   StageProgress stage("Evaluating maps", &silent);
@@ -125,22 +147,25 @@ void Run(const TradeoffScene& scene,
 
 }  // namespace
 
+void PrepareScene(TradeoffScene* scene) {
+  const colmap::Reconstruction model = ReadModel(scene->input_path);
+  scene->fingerprint = InputFingerprint(
+      model, fs::absolute(scene->image_path).string(), scene->mask_path);
+  if (!scene->truth.path.empty()) {
+    EstimateScale(TruthViews(model, scene->image_path, scene->truth), *scene);
+  }
+}
+
 TradeoffMeasurement MeasureSetting(const TradeoffScene& scene,
                                    const TradeoffSetting& setting,
                                    const int seed) {
   const fs::path folder = RunFolder(scene, setting, seed);
   const fs::path path = folder / "measurement.json";
-  // As the file has it, which is UTF-8 whatever the paths are.
-  const json description =
-      json::parse(JsonText(DescribeMeasurement(scene, setting)));
+  const json description = DescribeMeasurement(scene, setting);
   TradeoffMeasurement measurement;
   if (fs::exists(path)) {
     const json old = ReadJson(path);
-    if (old.at("of") != description) {
-      throw std::runtime_error(
-          "The output folder " + scene.output_path +
-          " holds measurements of another scene; choose another one.");
-    }
+    RequireSame(old.at("of"), description, scene);
     measurement.seconds = old.at("seconds");
     measurement.cpu_seconds = old.at("cpu_seconds");
     measurement.peak_bytes = old.at("peak_bytes");
@@ -152,9 +177,15 @@ TradeoffMeasurement MeasureSetting(const TradeoffScene& scene,
   const std::string workspace_path = (folder / "workspace").string();
   const fs::path report_path =
       fs::path(DenseWorkspace(workspace_path).ReportFolder()) / "report.json";
+  const fs::path run_path = folder / "run.json";
   if (!fs::exists(report_path)) {
+    fs::create_directories(folder);
+    WriteTextFile(run_path.string(), JsonText(description));
     Run(scene, setting, seed, workspace_path);
   }
+  // It may have ended long ago, without having been measured.
+  RequireSame(
+      fs::exists(run_path) ? ReadJson(run_path) : json(), description, scene);
   const json report = ReadJson(report_path);
   if (report.at("training").at("stopped_early")) {
     fs::remove_all(workspace_path);
@@ -188,6 +219,7 @@ TradeoffMeasurement MeasureSetting(const TradeoffScene& scene,
                           {"error", measurement.error},
                           {"held_out_psnr", measurement.held_out_psnr}}));
   fs::remove_all(workspace_path);
+  fs::remove(run_path);
   return measurement;
 }
 

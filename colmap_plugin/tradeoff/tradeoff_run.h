@@ -14,7 +14,14 @@ struct TradeoffScene {
   std::string mask_path;    // empty = none
   std::string output_path;  // for everything that is written
   DepthTruthOptions truth;  // `path` empty = none
+  std::string fingerprint;  // of model, images and masks (run_identity.h)
 };
+
+// Fills `fingerprint`, and looks at the ground truth: it would be of no use to
+// find that it is wrong after runs of hours. Throws std::runtime_error, naming
+// the option, if the model cannot be read, or if nothing can be measured
+// against the truth.
+void PrepareScene(TradeoffScene* scene);
 
 // What one run took and gave.
 struct TradeoffMeasurement {
@@ -34,7 +41,8 @@ struct TradeoffMeasurement {
 // Runs the dense stage as a process of its own with a seed and measures it. The
 // measurement, and a picture of one depth map (TradeoffPicturePath), stay in
 // the output folder; the workspace is removed. What has been measured before is
-// read instead. Throws std::runtime_error if the run fails or is interrupted.
+// read instead. Throws std::runtime_error if the run fails or is interrupted,
+// or if what is in the output folder is of another scene.
 TradeoffMeasurement MeasureSetting(const TradeoffScene& scene,
                                    const TradeoffSetting& setting,
                                    int seed);

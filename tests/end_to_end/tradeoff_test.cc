@@ -6,9 +6,12 @@
 #include "tests/support/temp_dir.h"
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
 
 namespace structnerf {
 namespace {
@@ -25,17 +28,21 @@ class TradeoffTest : public testing::Test {
     model.WriteModel(temp_dir_ / "sparse");
   }
 
-  ProgramResult Run(const std::string& settings) const {
-    return RunProgram({"structnerf_tradeoff",
-                       "--image_path",
-                       temp_dir_ / "images",
-                       "--input_path",
-                       temp_dir_ / "sparse",
-                       "--output_path",
-                       temp_dir_ / "tradeoff",
-                       "--num_seeds=2",
-                       "--settings",
-                       settings});
+  ProgramResult Run(const std::string& settings,
+                    const std::vector<std::string>& more_arguments = {}) const {
+    std::vector<std::string> arguments = {"structnerf_tradeoff",
+                                          "--image_path",
+                                          temp_dir_ / "images",
+                                          "--input_path",
+                                          temp_dir_ / "sparse",
+                                          "--output_path",
+                                          temp_dir_ / "tradeoff",
+                                          "--num_seeds=2",
+                                          "--settings",
+                                          settings};
+    arguments.insert(
+        arguments.end(), more_arguments.begin(), more_arguments.end());
+    return RunProgram(arguments);
   }
 
   TempDir temp_dir_;
@@ -81,11 +88,28 @@ TEST_F(TradeoffTest, ARunThatFailsIsNamed) {
       "tradeoff/runs/quality=low+num_steps=20/seed0/measurement.json"));
 }
 
-TEST_F(TradeoffTest, MissingPathsAndTruthAreNamed) {
+TEST_F(TradeoffTest, MissingPathsAreNamed) {
   const ProgramResult result =
       RunProgram({"structnerf_tradeoff", "--image_path", temp_dir_ / "images"});
   EXPECT_NE(result.exit_code, 0);
   EXPECT_THAT(result.error, HasSubstr("--input_path is missing"));
+}
+
+TEST_F(TradeoffTest, TruthIsLookedAtBeforeAnythingIsRun) {
+  fs::create_directory(temp_dir_ / "truth");
+  const auto expect_error = [&](const std::string& text) {
+    const ProgramResult result =
+        Run("quality=low num_steps=20",
+            {"--ground_truth_path", temp_dir_ / "truth"});
+    EXPECT_NE(result.exit_code, 0);
+    EXPECT_THAT(result.error, HasSubstr(text));
+    EXPECT_THAT(result.error, HasSubstr("--ground_truth_path"));
+    EXPECT_FALSE(fs::exists(temp_dir_ / "tradeoff"));
+  };
+  expect_error("No image of the model has ground truth");
+  // None of whose pixels has a value.
+  cv::imwrite(temp_dir_ / "truth/0.png", cv::Mat1w(48, 64, uint16_t{0}));
+  expect_error("no sparse point has ground truth");
 }
 
 }  // namespace
