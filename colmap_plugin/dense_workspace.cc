@@ -207,17 +207,16 @@ void DenseWorkspace::WriteConsistencyGraph(
     const int width,
     const int height,
     const std::vector<ConsistencyRecord>& records) const {
-  std::vector<int> data;
-  for (const ConsistencyRecord& record : records) {
-    data.push_back(record.col);
-    data.push_back(record.row);
-    data.push_back(static_cast<int>(record.view_idxs.size()));
-    data.insert(data.end(), record.view_idxs.begin(), record.view_idxs.end());
-  }
   WriteWholeFile(ConsistencyGraphPath(image_name), [&](std::ostream* stream) {
-    *stream << width << "&" << height << "&1&";
-    for (const int value : data) {
+    const auto write = [&](const int value) {
       colmap::WriteBinaryLittleEndian<int>(stream, value);
+    };
+    *stream << width << "&" << height << "&1&";
+    for (const ConsistencyRecord& record : records) {
+      write(record.col);
+      write(record.row);
+      write(static_cast<int>(record.view_idxs.size()));
+      std::for_each(record.view_idxs.begin(), record.view_idxs.end(), write);
     }
   });
 }

@@ -6,6 +6,7 @@
 #include "colmap_plugin/memory_budget.h"
 #include "colmap_plugin/scene_converter.h"
 #include "colmap_plugin/text_output.h"
+#include "nerf/dense_maps.h"
 #include "nerf/reconstructor.h"
 
 #include <algorithm>
@@ -26,8 +27,16 @@ constexpr size_t kStereoBytesPerPixel = 4 * sizeof(float);
 // The above with deviation, distinctness and colour, while a view is rendered.
 constexpr size_t kDenseBytesPerPixel = 6 * sizeof(float) + 3;
 
-// A decoded photograph and its conversion.
+// A decoded photograph and its conversion or undistortion.
 constexpr size_t kDecodingBytesPerPixel = 2 * 3;
+
+// While a view is checked: its geometric maps, angle, confidence and whether it
+// is confirmed; of a confirmed pixel the record, once in its row and twice in
+// the list of all as that grows, and what the list of views takes beside them.
+constexpr size_t kCheckBytesPerPixel = kStereoBytesPerPixel +
+                                       2 * sizeof(float) + 1 +
+                                       3 * sizeof(ConsistencyRecord) + 16;
+constexpr size_t kCheckBytesPerPixelAndSource = sizeof(int);
 
 // Both kinds of maps, those before planes are completed with distinctness,
 // confidence, and consistency graphs that are about half full.
@@ -67,9 +76,16 @@ MemoryPlan PlanMemory(const StructNerfOptions& options,
   const size_t min_map_bytes =
       num_pixels *
       (kDenseBytesPerPixel + (num_sources + 1) * kStereoBytesPerPixel);
-  const size_t decoding_bytes =
-      num_pixels * kDecodingBytesPerPixel *
-      std::max(1u, std::thread::hardware_concurrency());
+  const size_t check_bytes =
+      num_pixels *
+      (kCheckBytesPerPixel + num_sources * kCheckBytesPerPixelAndSource);
+  const size_t image_bytes =
+      std::max<size_t>(1, num_pixels * kDecodingBytesPerPixel);
+  const size_t max_num_decoded = std::max<size_t>(
+      1, std::min<size_t>(std::thread::hardware_concurrency(), cameras.size()));
+  // COLMAP does so on all cores.
+  const size_t undistortion_bytes =
+      options.workspace_path.empty() ? max_num_decoded * image_bytes : 0;
   const size_t base_bytes = CurrentMemory();
   const size_t present_bytes = base_bytes + kOverheadBytes;
 
@@ -82,19 +98,25 @@ MemoryPlan PlanMemory(const StructNerfOptions& options,
   while (true) {
     const size_t training_bytes =
         Reconstructor::EstimateMemory(reduced, cameras.size(), largest);
+    // Views are checked when the training's memory is free again.
+    const size_t largest_bytes = std::max(training_bytes, check_bytes);
     const size_t needed_bytes =
         present_bytes +
-        std::max(decoding_bytes, training_bytes + min_map_bytes);
+        std::max(undistortion_bytes, largest_bytes + min_map_bytes);
     if (needed_bytes <= plan.limit) {
       plan.depth_map_bytes =
-          plan.limit - std::min(plan.limit, present_bytes + training_bytes);
+          plan.limit - std::min(plan.limit, present_bytes + largest_bytes);
+      const size_t num_decoded = std::clamp<size_t>(
+          plan.depth_map_bytes / image_bytes, 1, max_num_decoded);
+      plan.num_decoded_images = static_cast<int>(num_decoded);
       const size_t all_maps_bytes =
           cameras.size() * num_pixels * kStereoBytesPerPixel;
       plan.expected = std::min(
           plan.limit,
           base_bytes +
-              std::max({decoding_bytes,
-                        training_bytes +
+              std::max({undistortion_bytes,
+                        training_bytes + num_decoded * image_bytes,
+                        largest_bytes +
                             std::min(all_maps_bytes, plan.depth_map_bytes),
                         EstimateFusionMemory(options.fusion, cameras)}));
       break;

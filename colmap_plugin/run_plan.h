@@ -21,14 +21,16 @@ struct MemoryPlan {
   size_t expected = 0;         // bytes at the peak
   size_t depth_map_bytes = 0;  // for maps that are held at once
   int max_image_size = 0;      // of the images that are trained on
+  int num_decoded_images = 1;  // read at once to be trained on
 
   // A sentence about what had to be reduced, empty if nothing.
   std::string note;
 };
 
-// Reduces the size of the training images until the run stays within the
-// memory limit. Nothing in the options may be kFromScene (AnalyzeScene). Throws
-// std::runtime_error if even the smallest does not.
+// Reduces the size of the training images, and how many of them are read at
+// once, until the run stays within the memory limit. Nothing in the options may
+// be kFromScene (AnalyzeScene). Throws std::runtime_error if even the smallest
+// does not.
 MemoryPlan PlanMemory(const StructNerfOptions& options,
                       const std::vector<PinholeCamera>& cameras);
 

@@ -158,14 +158,16 @@ Scene ConvertScene(const colmap::Reconstruction& reconstruction,
                    Progress* progress) {
   Scene scene = ConvertGeometry(reconstruction);
   std::atomic<size_t> num_done{0};
-  ThreadPool(-1).ParallelFor(
-      scene.views.size(), [&](const size_t view_idx, const int thread) {
-        LoadPixels(options, &scene.views[view_idx]);
-        ++num_done;
-        if (thread == 0) {  // who called us
-          ReportItems("Loading images", num_done, scene.views.size(), progress);
-        }
-      });
+  ThreadPool(options.num_threads)
+      .ParallelFor(
+          scene.views.size(), [&](const size_t view_idx, const int thread) {
+            LoadPixels(options, &scene.views[view_idx]);
+            ++num_done;
+            if (thread == 0) {  // who called us
+              ReportItems(
+                  "Loading images", num_done, scene.views.size(), progress);
+            }
+          });
   return scene;
 }
 

@@ -25,6 +25,9 @@ struct SceneConverterOptions {
   // Area in pixels of the full-size image from which on a superpixel is taken
   // for a plane; 0 = do not look for superpixels.
   int planar_min_area = 1000;
+
+  // Images that are read at once; -1 = one on each core.
+  int num_threads = -1;
 };
 
 // Poses, cameras and points of an undistorted COLMAP model, without pixels. The

@@ -279,6 +279,7 @@ void StructNerfController::LoadScene() {
   converter_options.mask_path = mask_path_;
   converter_options.max_image_size =
       options_.reconstruction.training.max_image_size;
+  converter_options.num_threads = memory_plan_.num_decoded_images;
   const ReconstructionOptions& method = options_.reconstruction;
   const bool needs_segments =
       method.loss.planar_weight > 0 || method.CompletesPlanes();

@@ -6,6 +6,10 @@
 #include "tests/colmap_plugin/tiny_model.h"
 #include "tests/support/temp_dir.h"
 
+#include <algorithm>
+#include <stdexcept>
+#include <thread>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -65,6 +69,28 @@ TEST(PlanMemory, ReducesImagesAndSaysSo) {
   EXPECT_GE(plan.max_image_size, 300);
   EXPECT_THAT(plan.note, HasSubstr(std::to_string(plan.max_image_size)));
   EXPECT_THAT(plan.note, HasSubstr("2000"));
+}
+
+TEST(PlanMemory, ReadsAsManyImagesAtOnceAsFit) {
+  StructNerfOptions options;
+  options.workspace_path = "dense";
+  options.max_memory_gb = 1000;
+  EXPECT_EQ(PlanMemory(options, MakeCameras(1)).num_decoded_images, 1);
+  const int num_cores =
+      std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  EXPECT_EQ(PlanMemory(options, MakeCameras(1000)).num_decoded_images,
+            std::min(1000, num_cores));
+}
+
+TEST(PlanMemory, CountsWhatTheCheckOfAViewHolds) {
+  StructNerfOptions options;
+  // 2 GB are what training needs, 16 GB the maps of a view and its sources, and
+  // as much what is known about pixels that other views confirm.
+  const std::vector<PinholeCamera> cameras(20, {10000, 10000, 1, 1, 0, 0});
+  options.max_memory_gb = 28;
+  EXPECT_THROW(PlanMemory(options, cameras), std::runtime_error);
+  options.max_memory_gb = 36;
+  EXPECT_NO_THROW(PlanMemory(options, cameras));
 }
 
 TEST(PlanMemory, RefusesWhatCannotFit) {
