@@ -150,10 +150,16 @@ bool ParseDenseCommand(const std::vector<std::string>& raw_args,
   }
   const bool quality_by_time =
       quality.empty() && command->options.max_minutes > 0;
-  if (quality_by_time || !command->print_options) {
+  if (!command->print_options) {
     CheckPaths(*command);
   }
   if (quality_by_time) {
+    if (ModelPath(*command).empty()) {
+      throw std::runtime_error(
+          "Which quality fits into --StructNeRF.max_minutes depends on the "
+          "number and size of the images; give their model as --input_path, or "
+          "--StructNeRF.quality.");
+    }
     const auto model = std::make_shared<const colmap::Reconstruction>(
         ReadModel(ModelPath(*command)));
     const QualityChoice choice =

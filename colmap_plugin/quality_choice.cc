@@ -21,7 +21,8 @@ QualityChoice ChooseQuality(const StructNerfOptions& options,
                             const std::vector<PinholeCamera>& cameras) {
   const std::string notes_path =
       StagedFolder::NotesPathOf(options.ResultPath());
-  if (options.resume && HasCheckpoint(notes_path)) {
+  if (options.resume && !options.ResultPath().empty() &&
+      HasCheckpoint(notes_path)) {
     std::ifstream file(fs::path(notes_path) / kFileName);
     QualityChoice choice;
     if (file >> choice.quality >> choice.num_sweeps) {

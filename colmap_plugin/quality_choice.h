@@ -12,7 +12,8 @@ namespace structnerf {
 // The quality of a run that is given `options.max_minutes` and no quality: the
 // one that was remembered by the run it goes on with, if there is one, or the
 // best that fits on this machine as fast as it was when it was first asked for.
-// `cameras`: of the undistorted images.
+// Without a folder for results, nothing is gone on with. `cameras`: of the
+// undistorted images.
 QualityChoice ChooseQuality(const StructNerfOptions& options,
                             const std::vector<PinholeCamera>& cameras);
 

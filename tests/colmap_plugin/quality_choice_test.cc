@@ -51,6 +51,16 @@ TEST_F(QualityChoiceTest, ARunGoesOnWithWhatItBeganWith) {
   EXPECT_EQ(ChooseQuality(options_, kCameras).quality, "extreme");
 }
 
+TEST_F(QualityChoiceTest, WithoutAFolderForResultsNothingIsGoneOnWith) {
+  const fs::path working_folder = fs::current_path();
+  fs::current_path(temp_dir_.Path());
+  options_.output_path = "";
+  LeaveCheckpoint();
+  RememberQuality(StagedFolder::NotesPathOf(""), {"medium", 1});
+  EXPECT_EQ(ChooseQuality(options_, kCameras).quality, "extreme");
+  fs::current_path(working_folder);
+}
+
 TEST_F(QualityChoiceTest, WithoutCheckpointNothingIsRemembered) {
   LeaveCheckpoint();
   const std::string notes_path =

@@ -77,12 +77,23 @@ TEST_F(TimeLimitTest, AQualityThatIsGivenStays) {
   EXPECT_NE(result.out.find("StructNeRF.num_levels = 3"), std::string::npos);
 }
 
+TEST_F(TimeLimitTest, ToTellTheQualityAModelSuffices) {
+  const ProgramResult result = RunProgram({"structnerf_dense",
+                                           "--input_path",
+                                           temp_dir_ / "sparse",
+                                           "--StructNeRF.print_options=1",
+                                           "--StructNeRF.max_minutes=1000"});
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  EXPECT_NE(result.out.find("StructNeRF.quality = extreme"), std::string::npos)
+      << result.out;
+}
+
 TEST_F(TimeLimitTest, TheQualityNeedsAModel) {
   const ProgramResult result = RunProgram({"structnerf_dense",
                                            "--StructNeRF.print_options=1",
                                            "--StructNeRF.max_minutes=5"});
   EXPECT_NE(result.exit_code, 0);
-  EXPECT_NE(result.error.find("--image_path is missing"), std::string::npos)
+  EXPECT_NE(result.error.find("--input_path"), std::string::npos)
       << result.error;
 }
 
