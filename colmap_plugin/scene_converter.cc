@@ -28,8 +28,9 @@ View ConvertPose(const colmap::Reconstruction& reconstruction,
   if (!camera.IsUndistorted()) {
     throw std::runtime_error(
         "The camera of image " + image.Name() +
-        " is not undistorted; run with --image_path, --input_path and "
-        "--output_path on the original images instead.");
+        " is not undistorted; use the model of the dense workspace that "
+        "structnerf_dense or COLMAP's image_undistorter makes of the original "
+        "images.");
   }
   View view;
   view.name = image.Name();
