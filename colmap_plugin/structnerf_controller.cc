@@ -154,9 +154,7 @@ void StructNerfController::RunStages() {
   PrepareToResume();
   UndistortImages();
   LoadScene();
-  if (progress_->ShouldStop()) {
-    throw Aborted();  // nothing has been learned that could be written
-  }
+  EndIfToldTo();
   Train();
   MakeMaps();
   FusePoints();
@@ -305,6 +303,7 @@ void StructNerfController::LoadScene() {
     scene_.views.push_back(PoseOf(view));
   }
   extraction_ = FitToScene(method.extraction, scene);
+  EndIfToldTo();  // what comes now takes long and does not ask
   reconstructor_ = std::make_unique<Reconstructor>(
       std::move(scene),
       options_.reconstruction,
@@ -430,6 +429,13 @@ void StructNerfController::WriteResults() {
   staged_folder_->Commit();
   // Only now: a run that is killed while results are moved still needs them.
   DenseWorkspace(options_.ResultPath()).RemoveMatchedMaps();
+}
+
+void StructNerfController::EndIfToldTo() {
+  PauseOrAbort(progress_.get());
+  if (progress_->ShouldStop()) {
+    throw Aborted();  // nothing has been learned that could be written
+  }
 }
 
 StageProgress StructNerfController::BeginStage(const std::string& name) {

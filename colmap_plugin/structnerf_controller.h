@@ -81,6 +81,9 @@ class StructNerfController : public colmap::BaseController {
   // fast this machine is.
   double TrainingSeconds();
 
+  // Before training, where to stop is to abort.
+  void EndIfToldTo();
+
   StageProgress BeginStage(const std::string& name);
   void Warn(const std::string& sentence);
   bool HasNewWorkspace() const { return options_.workspace_path.empty(); }

@@ -24,6 +24,7 @@ using Status = StructNerfController::Status;
 using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::IsEmpty;
 
 // Throws when a stage is reported.
 class ThrowingProgress : public RunProgress {
@@ -47,6 +48,24 @@ class ThrowingAbort : public RunProgress {
  public:
   bool ShouldAbort() override { return true; }
   bool ShouldSave() override { throw 1; }
+};
+
+// Stops the run once images are being loaded, and counts what it is told.
+class StoppedWhileLoading : public RunProgress {
+ public:
+  void Report(const ProgressUpdate& update) override {
+    is_loading_ = is_loading_ || update.stage == "Loading images";
+  }
+  bool ShouldStop() override { return is_loading_; }
+  void Note(const std::string& sentence) override {
+    notes_.push_back(sentence);
+  }
+
+  const std::vector<std::string>& Notes() const { return notes_; }
+
+ private:
+  bool is_loading_ = false;
+  std::vector<std::string> notes_;
 };
 
 class StructNerfControllerTest : public testing::Test {
@@ -132,6 +151,13 @@ TEST_F(StructNerfControllerTest, WhatWasLearnedIsKeptWhateverIsThrown) {
   const auto resumed = Run(&silent);
   EXPECT_EQ(resumed->GetStatus(), Status::kSuccess) << resumed->Error();
   EXPECT_EQ(resumed->Report().training.num_resumed_steps, 20);
+}
+
+TEST_F(StructNerfControllerTest, StopsBeforeTrainingIsPrepared) {
+  StoppedWhileLoading progress;
+  EXPECT_EQ(Run(&progress)->GetStatus(), Status::kAborted);
+  EXPECT_THAT(progress.Notes(), IsEmpty()) << "what was decided for training";
+  EXPECT_FALSE(fs::exists(options_.output_path));
 }
 
 TEST_F(StructNerfControllerTest, AnErrorWhileCleaningUpBecomesASentence) {
