@@ -1,0 +1,172 @@
+// Pausing, stopping and leaving a run in COLMAP's window.
+
+#include "ui/run_page.h"
+
+#include "tests/support/synthetic_room.h"
+#include "tests/support/synthetic_room_writer.h"
+#include "tests/ui/dense_window_fixture.h"
+
+#include <QElapsedTimer>
+#include <QLabel>
+#include <QLineEdit>
+#include <QProgressBar>
+#include <QPushButton>
+#include <QTest>
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace structnerf {
+namespace {
+
+namespace fs = std::filesystem;
+
+using testing::HasSubstr;
+
+using RunPageTest = DenseWindowFixture;
+
+// COLMAP closes its model when another project is begun.
+TEST_F(RunPageTest, RunsOnTheModelThatItShows) {
+  OpenDialog();
+  SetNumSteps(1000000);
+  Viewer()->reconstruction = nullptr;
+  Click("start");
+  ASSERT_TRUE(WaitForTraining());
+  Click("cancel");
+  ASSERT_TRUE(WaitForTab(0));
+}
+
+// The others are over too soon to be caught on every machine.
+TEST_F(RunPageTest, LongStagesAnswerAtOnce) {
+  SyntheticRoomOptions room_options;
+  room_options.num_views = 30;
+  WriteSyntheticRoom(MakeSyntheticRoom(room_options), *temp_dir_ / "large");
+  OpenDialog("large");
+  Find<QLineEdit>("image_path")
+      ->setText(QString::fromStdString(*temp_dir_ / "large/images"));
+  const auto* bar = Find<QProgressBar>("bar");
+  const auto* stage = Find<QLabel>("stage");
+  for (const char* const name : {"Training", "Rendering depth maps"}) {
+    SCOPED_TRACE(name);
+    SetNumSteps(std::string(name) == "Training" ? 2000 : 20);
+    Click("start");
+    ASSERT_TRUE(QTest::qWaitFor(
+        [&]() { return stage->text() == name && bar->value() > 0; },
+        kRunMilliseconds));
+    Click("pause");
+    QTest::qWait(kAnswerMilliseconds);
+    ASSERT_EQ(stage->text(), QString(name) + " (paused)");
+    const int paused_value = bar->value();
+    QTest::qWait(500);
+    EXPECT_EQ(bar->value(), paused_value);
+
+    QElapsedTimer timer;
+    timer.start();
+    Click("pause");
+    EXPECT_TRUE(QTest::qWaitFor(
+        [&]() { return bar->value() != paused_value || stage->text() != name; },
+        kRunMilliseconds));
+    EXPECT_LT(timer.elapsed(), kAnswerMilliseconds);
+
+    timer.start();
+    Click("cancel");
+    ASSERT_TRUE(WaitForTab(0));
+    EXPECT_LT(timer.elapsed(), kAnswerMilliseconds);
+    EXPECT_FALSE(fs::exists(WorkspacePath()));
+  }
+}
+
+TEST_F(RunPageTest, StopKeepsWhatWasLearned) {
+  OpenDialog();
+  SetNumSteps(1000000);
+  Click("start");
+  ASSERT_TRUE(WaitForTraining());
+  QElapsedTimer timer;
+  timer.start();
+  Click("stop");
+  EXPECT_FALSE(Find<QPushButton>("stop")->isEnabled());
+  EXPECT_TRUE(QTest::qWaitFor(
+      [this]() { return Find<QProgressBar>("bar")->value() == 1000; },
+      kAnswerMilliseconds));
+  EXPECT_LT(timer.elapsed(), kAnswerMilliseconds);
+  ASSERT_TRUE(WaitForTab(3)) << message_;
+  EXPECT_TRUE(fs::exists(WorkspacePath() + "/fused.ply"));
+}
+
+TEST_F(RunPageTest, CancelWritesNothing) {
+  OpenDialog();
+  SetNumSteps(1000000);
+  Click("start");
+  ASSERT_TRUE(WaitForTraining());
+  QElapsedTimer timer;
+  timer.start();
+  Click("cancel");
+  ASSERT_TRUE(WaitForTab(0));
+  EXPECT_LT(timer.elapsed(), kAnswerMilliseconds);
+  EXPECT_FALSE(fs::exists(WorkspacePath()));
+  EXPECT_TRUE(Find<QPushButton>("start")->isEnabled());
+}
+
+TEST_F(RunPageTest, ClosingInTheMiddleAsks) {
+  OpenDialog();
+  SetNumSteps(1000000);
+  Click("start");
+  ASSERT_TRUE(WaitForTraining());
+  AnswerMessage(QMessageBox::No, "message_close");
+  EXPECT_FALSE(Tabs()->window()->close());
+  EXPECT_THAT(message_, HasSubstr("has not ended"));
+  EXPECT_EQ(Tabs()->currentIndex(), 2);
+  AnswerMessage(QMessageBox::No, "message_close_main_window");
+  EXPECT_FALSE(window_->Window().close());
+  // Yes to our question, but no to COLMAP's own.
+  OnMessage([this](QMessageBox* box) {
+    Answer(box, QMessageBox::Yes, "message_close_main_window");
+    AnswerMessage(QMessageBox::No, "message_quit");
+  });
+  EXPECT_FALSE(window_->Window().close());
+  EXPECT_THAT(message_, HasSubstr("quit"));
+  QTest::qWait(kAnswerMilliseconds);
+  EXPECT_EQ(Tabs()->currentIndex(), 2);
+  AnswerMessage(QMessageBox::Yes, "message_close");
+  EXPECT_TRUE(Tabs()->window()->close());
+  ASSERT_TRUE(WaitForTab(0));
+  EXPECT_FALSE(fs::exists(WorkspacePath()));
+}
+
+TEST_F(RunPageTest, ClosingTheMainWindowCancels) {
+  OpenDialog();
+  SetNumSteps(1000000);
+  Click("start");
+  ASSERT_TRUE(WaitForTraining());
+  OnMessage([this](QMessageBox* box) {
+    Answer(box, QMessageBox::Yes, "message_close_main_window");
+    // COLMAP's own question.
+    AnswerMessage(QMessageBox::Yes, "message_quit");
+  });
+  EXPECT_TRUE(window_->Window().close());
+  EXPECT_THAT(message_, HasSubstr("quit"));
+  EXPECT_FALSE(window_->Window().isVisible());
+  QElapsedTimer timer;
+  timer.start();
+  ASSERT_TRUE(WaitForTab(0));
+  EXPECT_LT(timer.elapsed(), kAnswerMilliseconds);
+  EXPECT_FALSE(fs::exists(WorkspacePath()));
+}
+
+TEST_F(RunPageTest, ARunMayEndWhileTheQuestionIsOpen) {
+  OpenDialog();
+  SetNumSteps(1000000);
+  Click("start");
+  ASSERT_TRUE(WaitForTraining());
+  OnMessage([this](QMessageBox* box) {
+    Click("stop");
+    EXPECT_TRUE(WaitForTab(3));
+    Answer(box, QMessageBox::Yes, "message_close");
+  });
+  EXPECT_TRUE(Tabs()->window()->close());
+  EXPECT_TRUE(fs::exists(WorkspacePath() + "/fused.ply"));
+}
+
+}  // namespace
+}  // namespace structnerf
