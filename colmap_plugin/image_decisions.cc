@@ -20,7 +20,7 @@ std::string DetailText(const ImageDetail& detail) {
   return detail.tried_size > 0
              ? ", at " + std::to_string(detail.tried_size) +
                    FormatNumber(" pixels %.1f of 255 grey levels are lost",
-                                detail.lost_gray_levels)
+                                detail.lost_grey_levels)
              : "";
 }
 

@@ -14,9 +14,9 @@ namespace {
 
 constexpr size_t kMaxNumImages = 5;
 
-// Photographs of the shared kind lose 3 to 6 at half of 640 pixels, blurred
-// ones less than one.
-constexpr double kMaxLostGrayLevels = 1.5;
+// Sharp photographs of rooms lose 3 to 6 at half of 640 pixels, blurred ones
+// less than one.
+constexpr double kMaxLostGreyLevels = 1.5;
 
 constexpr int kNumSizes = 4;
 const double kSizeFactor = std::sqrt(0.5);
@@ -33,7 +33,7 @@ cv::Size SizeTimes(const cv::Mat& image, const double factor) {
 }
 
 // At most `max_image_size` long; empty if it cannot be read.
-cv::Mat ReadGray(const std::string& path, const int max_image_size) {
+cv::Mat ReadSmallGrey(const std::string& path, const int max_image_size) {
   const cv::Mat image = ReadGreyImage(path);
   const int longest_side = std::max(image.cols, image.rows);
   if (longest_side <= max_image_size) {
@@ -47,12 +47,12 @@ cv::Mat ReadGray(const std::string& path, const int max_image_size) {
 
 }  // namespace
 
-double LostGrayLevels(const cv::Mat& gray, const double factor) {
+double LostGreyLevels(const cv::Mat& grey, const double factor) {
   const cv::Mat reduced =
-      Resized(gray, SizeTimes(gray, factor), cv::INTER_AREA);
-  const cv::Mat enlarged = Resized(reduced, gray.size(), cv::INTER_CUBIC);
-  return cv::norm(gray, enlarged, cv::NORM_L2) /
-         std::sqrt(static_cast<double>(gray.total()));
+      Resized(grey, SizeTimes(grey, factor), cv::INTER_AREA);
+  const cv::Mat enlarged = Resized(reduced, grey.size(), cv::INTER_CUBIC);
+  return cv::norm(grey, enlarged, cv::NORM_L2) /
+         std::sqrt(static_cast<double>(grey.total()));
 }
 
 ImageDetail MeasureImageDetail(const std::string& image_path,
@@ -63,23 +63,23 @@ ImageDetail MeasureImageDetail(const std::string& image_path,
   const size_t num_images = std::min(kMaxNumImages, image_names.size());
   for (size_t i = 0; i < num_images; ++i) {
     const std::string& name = image_names[i * image_names.size() / num_images];
-    const cv::Mat gray = ReadGray(
+    const cv::Mat grey = ReadSmallGrey(
         (std::filesystem::path(image_path) / name).string(), max_image_size);
-    if (gray.empty()) {
+    if (grey.empty()) {
       continue;
     }
-    longest_side = std::max({longest_side, gray.cols, gray.rows});
+    longest_side = std::max({longest_side, grey.cols, grey.rows});
     for (int size = 0; size < kNumSizes; ++size) {
       lost[size].push_back(
-          LostGrayLevels(gray, std::pow(kSizeFactor, size + 1)));
+          LostGreyLevels(grey, std::pow(kSizeFactor, size + 1)));
     }
   }
   ImageDetail detail{max_image_size};
   for (int size = 0; size < kNumSizes && longest_side > 0; ++size) {
     detail.tried_size = static_cast<int>(
         std::round(longest_side * std::pow(kSizeFactor, size + 1)));
-    detail.lost_gray_levels = Median(&lost[size]);
-    if (detail.lost_gray_levels > kMaxLostGrayLevels ||
+    detail.lost_grey_levels = Median(&lost[size]);
+    if (detail.lost_grey_levels > kMaxLostGreyLevels ||
         detail.tried_size < kMinTrainingImageSize) {
       break;
     }

@@ -18,13 +18,13 @@ struct ImageDetail {
   // The smallest size that was tried, and what is lost at it, in grey levels of
   // 255 (root of the mean square); 0 if nothing was measured.
   int tried_size = 0;
-  double lost_gray_levels = 0;
+  double lost_grey_levels = 0;
 };
 
-// What `gray` (8 bits), enlarged again, differs by from itself after it has
+// What `grey` (8 bits), enlarged again, differs by from itself after it has
 // been made so much smaller, in grey levels (root of the mean square).
 //   factor: of the width and height, in (0, 1).
-double LostGrayLevels(const cv::Mat& gray, double factor);
+double LostGreyLevels(const cv::Mat& grey, double factor);
 
 // Of a few of the images below `image_path`, no larger than `max_image_size`:
 // each size is 1/sqrt(2) of the one before, down to a quarter, as long as less

@@ -29,19 +29,19 @@ std::vector<std::string> WriteImages(const TempDir& folder,
   return names;
 }
 
-TEST(LostGrayLevels, OfOneColorIsNothing) {
-  EXPECT_EQ(LostGrayLevels(cv::Mat(30, 40, CV_8U, cv::Scalar(99)), 0.5), 0);
-  EXPECT_EQ(LostGrayLevels(cv::Mat(1, 1, CV_8U, cv::Scalar(99)), 0.5), 0);
+TEST(LostGreyLevels, OfOneColorIsNothing) {
+  EXPECT_EQ(LostGreyLevels(cv::Mat(30, 40, CV_8U, cv::Scalar(99)), 0.5), 0);
+  EXPECT_EQ(LostGreyLevels(cv::Mat(1, 1, CV_8U, cv::Scalar(99)), 0.5), 0);
 }
 
-TEST(LostGrayLevels, OfAFineCheckerboardIsItsContrast) {
+TEST(LostGreyLevels, OfAFineCheckerboardIsItsContrast) {
   cv::Mat board(60, 80, CV_8U);
   for (int row = 0; row < board.rows; ++row) {
     for (int col = 0; col < board.cols; ++col) {
       board.at<uint8_t>(row, col) = (row + col) % 2 ? 120 : 80;
     }
   }
-  EXPECT_NEAR(LostGrayLevels(board, 0.5), 20, 0.1);
+  EXPECT_NEAR(LostGreyLevels(board, 0.5), 20, 0.1);
 }
 
 TEST(MeasureImageDetail, SharpPhotographsKeepTheirSize) {
@@ -51,7 +51,7 @@ TEST(MeasureImageDetail, SharpPhotographsKeepTheirSize) {
   const ImageDetail detail = MeasureImageDetail(folder.Path(), names, 320);
   EXPECT_EQ(detail.image_size, 320);
   EXPECT_EQ(detail.tried_size, 226);
-  EXPECT_GT(detail.lost_gray_levels, 5);
+  EXPECT_GT(detail.lost_grey_levels, 5);
 }
 
 TEST(MeasureImageDetail, EnlargedOnesAreReduced) {
