@@ -162,6 +162,7 @@ bool ParseDenseCommand(const std::vector<std::string>& raw_args,
     }
     const auto model = std::make_shared<const colmap::Reconstruction>(
         ReadModel(ModelPath(*command)));
+    CheckModel(*model);
     const QualityChoice choice =
         ChooseQuality(command->options, UndistortedCameras(*model));
     *command = DenseCommand();

@@ -46,7 +46,7 @@ json ReadJson(const fs::path& path) {
   } catch (const json::exception& error) {
     throw std::runtime_error("The file " + path.string() +
                              " cannot be understood (" + error.what() +
-                             "); remove it to measure anew.");
+                             "); remove its folder to measure anew.");
   }
 }
 

@@ -44,14 +44,17 @@ SceneDecision DescribeBox(const Scene& scene, const SceneFrame& frame) {
                100.0 * num_inside / scene.points.size())};
 }
 
-// What a pixel of the training images covers at the median depth of the scene,
-// in field units; the median over the views.
+// What a pixel of the training images, as they are or, if they are not loaded,
+// will be, covers at the median depth of the scene, in field units; the median
+// over the views.
 double PixelFootprint(const Scene& scene,
                       const SceneFrame& frame,
                       const int max_image_size) {
   std::vector<double> footprints;
   for (const View& view : scene.views) {
-    const PinholeCamera camera = view.camera.Reduced(max_image_size);
+    const PinholeCamera camera = view.image.data.empty()
+                                     ? view.camera.Reduced(max_image_size)
+                                     : view.ImageCamera();
     footprints.push_back(frame.median_depth / std::sqrt(camera.fx * camera.fy));
   }
   return Median(&footprints);

@@ -28,7 +28,8 @@ struct SceneAnalysis {
 //   through at the finest level. As many share one without harm, since coarser
 //   levels tell them apart.
 //
-// Options that are given stay as they are. Photographs are not needed, only the
+// Options that are given stay as they are. Photographs are not needed; if they
+// are there, their size counts instead of training.max_image_size, and the
 // share of planar superpixels is told from them. Throws std::invalid_argument
 // if the scene has no extent, see ComputeSceneFrame.
 SceneAnalysis AnalyzeScene(const Scene& scene,

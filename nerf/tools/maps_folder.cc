@@ -108,9 +108,10 @@ std::string ImageSizeWarning(const std::vector<View>& views,
         max_image_size, std::max(view.camera.width, view.camera.height));
     if (size != usual_size) {
       return "The image of " + view.name + " has " + std::to_string(size) +
-             " pixels along its longer side, but " +
+             " pixels along its longer side, where this quality has up to " +
              std::to_string(usual_size) +
-             " belong to this quality; export the scene with the same one.";
+             "; unless its photographs show nothing finer, export the scene "
+             "with the same quality.";
     }
   }
   return "";
@@ -118,6 +119,7 @@ std::string ImageSizeWarning(const std::vector<View>& views,
 
 // The maps before other views have confirmed them, of all views.
 std::vector<DenseMaps> RenderMaps(const std::vector<View>& views,
+                                  const bool completes_planes,
                                   Reconstructor* reconstructor,
                                   Progress* progress) {
   SilentProgress view_progress(progress);
@@ -127,6 +129,8 @@ std::vector<DenseMaps> RenderMaps(const std::vector<View>& views,
     reconstructor->AddMaps(i, all_maps.back());
     ReportItems("Rendering depth maps", i + 1, views.size(), progress);
   }
+  const std::string completion_name =
+      completes_planes ? "Completing planes" : "Finishing depth maps";
   reconstructor->FindPlanes(&view_progress);
   for (size_t i = 0; i < views.size(); ++i) {
     DenseMaps& maps = all_maps[i];
@@ -134,7 +138,7 @@ std::vector<DenseMaps> RenderMaps(const std::vector<View>& views,
     maps.relative_std = {};
     maps.distinctness = {};
     ApplyMask(views[i], &maps);
-    ReportItems("Completing planes", i + 1, views.size(), progress);
+    ReportItems(completion_name, i + 1, views.size(), progress);
   }
   return all_maps;
 }
@@ -171,8 +175,8 @@ MapsSummary ReconstructIntoFolder(
   summary.training = reconstructor.Summary();
 
   const auto begin = std::chrono::steady_clock::now();
-  const std::vector<DenseMaps> all_maps =
-      RenderMaps(poses.views, &reconstructor, progress);
+  const std::vector<DenseMaps> all_maps = RenderMaps(
+      poses.views, options.CompletesPlanes(), &reconstructor, progress);
   ThreadPool pool(options.training.num_threads);
   for (size_t i = 0; i < all_maps.size(); ++i) {
     const std::string& name = poses.views[i].name;

@@ -66,6 +66,18 @@ TEST(AnalyzeScene, LargerImagesWantFinerGridsAndLargerTables) {
             large.max_resolution);
 }
 
+TEST(AnalyzeScene, ImagesThatAreLoadedCountAsTheyAre) {
+  Scene scene = WallScene(4, 640);
+  const int small =
+      AnalyzeScene(scene, PresetOf(160)).options.field.max_resolution;
+  for (View& view : scene.views) {
+    view.image = PlainImage(
+        160, 160 * view.camera.height / view.camera.width, /*value=*/99);
+  }
+  EXPECT_EQ(AnalyzeScene(scene, PresetOf(640)).options.field.max_resolution,
+            small);
+}
+
 TEST(AnalyzeScene, TheUnitOfTheModelMakesNoDifference) {
   const FieldOptions metres =
       AnalyzeScene(WallScene(4, 640), PresetOf(320)).options.field;
