@@ -104,7 +104,7 @@ TEST(ThreadPool, ExceptionsComeBackAndThePoolStaysUsable) {
     for (int round = 0; round < 20; ++round) {
       std::atomic<int> num_run{0};
       try {
-        pool.ParallelFor(100000, [&](const size_t item, int) {
+        pool.ParallelFor(1000, [&](const size_t item, int) {
           ++num_run;
           if (item == 5) {
             throw std::runtime_error("item five");
@@ -114,7 +114,10 @@ TEST(ThreadPool, ExceptionsComeBackAndThePoolStaysUsable) {
       } catch (const std::runtime_error& error) {
         EXPECT_STREQ(error.what(), "item five");
       }
-      EXPECT_LT(num_run, 100000);
+      // How far other threads have come in the meantime is not known.
+      if (num_threads == 1) {
+        EXPECT_EQ(num_run, 6);
+      }
       std::atomic<int> count{0};
       pool.ParallelFor(10, [&](size_t, int) { ++count; });
       EXPECT_EQ(count, 10);
