@@ -16,8 +16,8 @@ std::vector<uint8_t> MeasureBlankness(const TrainingViews& views, int view_idx);
 // depth between what stands before it and behind it. Light that is absorbed
 // early hides what comes later, so the field would put it at the near end; this
 // pulls it away as gently as a patch that is only a little off pulls the other
-// way. Where only two views see the surface, both are content with any depth
-// behind it. Writes the derivative by depth, which must be positive.
+// way. Little holds against it where all of a wall is blank and only two views
+// see it. Writes the derivative by depth, which must be positive.
 float EvaluateFarPush(uint8_t blankness, float depth, float* d_depth);
 
 }  // namespace structnerf

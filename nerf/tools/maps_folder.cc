@@ -108,10 +108,11 @@ std::string ImageSizeWarning(const std::vector<View>& views,
         max_image_size, std::max(view.camera.width, view.camera.height));
     if (size != usual_size) {
       return "The image of " + view.name + " has " + std::to_string(size) +
-             " pixels along its longer side, where this quality has up to " +
+             " pixels along its longer side, where this quality has " +
              std::to_string(usual_size) +
-             "; unless its photographs show nothing finer, export the scene "
-             "with the same quality.";
+             "; export the scene with the same quality" +
+             (size < usual_size ? ", unless its photographs show nothing finer."
+                                : ".");
     }
   }
   return "";

@@ -12,11 +12,6 @@ namespace {
 // Distance of pixels whose colour is held out.
 constexpr int kHeldOutStride = 16;
 
-// Of the push of a blank pixel, by how many other views see what it shows:
-// none, one, more. A second view agrees to any depth; but where views are few,
-// the push is what holds against sparse points that are too near.
-constexpr float kFarShares[] = {0.0f, 0.25f, 1.0f};
-
 PatchLoss::Options MakePatchOptions(const LossOptions& options) {
   PatchLoss::Options patch_options;
   patch_options.radius = options.patch_radius;
@@ -42,9 +37,8 @@ class TrainingObjective::Tile : public TileObjective {
   LossValues Evaluate(const RayOutputs& outputs,
                       RayGradients* gradients) override {
     LossValues losses = {};
-    ComparePatches(outputs);
     AddColorLoss(outputs, gradients, &losses);
-    AddPatchLoss(gradients, &losses);
+    AddPatchLoss(outputs, gradients, &losses);
     AddPlanarLoss(outputs, gradients, &losses);
     AddSparseLoss(outputs, gradients, &losses);
     AddPriorLoss(outputs, gradients, &losses);
@@ -70,21 +64,6 @@ class TrainingObjective::Tile : public TileObjective {
   }
 
  private:
-  void ComparePatches(const RayOutputs& outputs) {
-    const LossOptions& options = objective_.loss_options_;
-    if (options.patch_weight == 0 && options.far_weight == 0) {
-      return;
-    }
-    objective_.patch_loss_.Evaluate(drawn_.tile->num_rays,
-                                    drawn_.view_idx.data(),
-                                    drawn_.col.data(),
-                                    drawn_.row.data(),
-                                    outputs.depth.data(),
-                                    patch_loss_.data(),
-                                    d_patch_loss_.data(),
-                                    num_sources_.data());
-  }
-
   void AddColorLoss(const RayOutputs& outputs,
                     RayGradients* gradients,
                     LossValues* losses) const {
@@ -111,7 +90,9 @@ class TrainingObjective::Tile : public TileObjective {
     (*losses)[static_cast<size_t>(LossTerm::kColor)] += weight * sum;
   }
 
-  void AddPatchLoss(RayGradients* gradients, LossValues* losses) const {
+  void AddPatchLoss(const RayOutputs& outputs,
+                    RayGradients* gradients,
+                    LossValues* losses) const {
     if (objective_.loss_options_.patch_weight == 0) {
       return;
     }
@@ -126,12 +107,23 @@ class TrainingObjective::Tile : public TileObjective {
         static_cast<float>(objective_.loss_options_.patch_weight) /
         (is_dense ? objective_.NumRays()
                   : (end - begin) * objective_.num_tiles_);
+    PerRay<float> loss;
+    PerRay<float> d_depth;
+    PerRay<int> num_valid;
+    objective_.patch_loss_.Evaluate(drawn_.tile->num_rays,
+                                    drawn_.view_idx.data(),
+                                    drawn_.col.data(),
+                                    drawn_.row.data(),
+                                    outputs.depth.data(),
+                                    loss.data(),
+                                    d_depth.data(),
+                                    num_valid.data());
     double sum = 0;
     size_t num_compared = 0;
     for (int ray = begin; ray < end; ++ray) {
-      if (num_sources_[ray] > 0) {
-        sum += patch_loss_[ray];
-        gradients->d_depth[ray] += weight * d_patch_loss_[ray];
+      if (num_valid[ray] > 0) {
+        sum += loss[ray];
+        gradients->d_depth[ray] += weight * d_depth[ray];
         ++num_compared;
       }
     }
@@ -213,17 +205,15 @@ class TrainingObjective::Tile : public TileObjective {
         objective_.NumRays();
     double sum = 0;
     for (int ray = 0; ray < drawn_.tile->num_rays; ++ray) {
-      const float share = kFarShares[std::min(num_sources_[ray], 2)];
       const size_t pixel =
           static_cast<size_t>(drawn_.row[ray]) *
               objective_.views_.image(drawn_.view_idx[ray]).width +
           drawn_.col[ray];
       float d_depth;
-      sum += share *
-             EvaluateFarPush(objective_.blankness_[drawn_.view_idx[ray]][pixel],
+      sum += EvaluateFarPush(objective_.blankness_[drawn_.view_idx[ray]][pixel],
                              outputs.depth[ray],
                              &d_depth);
-      gradients->d_depth[ray] += weight * share * d_depth;
+      gradients->d_depth[ray] += weight * d_depth;
     }
     (*losses)[static_cast<size_t>(LossTerm::kFar)] += weight * sum;
   }
@@ -273,11 +263,6 @@ class TrainingObjective::Tile : public TileObjective {
   const TrainingObjective& objective_;
   int step_ = 0;
   DrawnRays drawn_;  // of the current tile
-
-  // What ComparePatches() says about each ray, see PatchLoss::Evaluate.
-  PerRay<float> patch_loss_;
-  PerRay<float> d_patch_loss_;
-  PerRay<int> num_sources_;
 };
 
 TrainingObjective::TrainingObjective(

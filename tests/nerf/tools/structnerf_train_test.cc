@@ -157,7 +157,7 @@ TEST_F(StructnerfTrainTest, WarnsOfImagesOfAnotherQuality) {
       [&](const std::string& warning) { warnings += warning; },
       &progress);
   EXPECT_THAT(warnings, HasSubstr("has 48 pixels along its longer side"));
-  EXPECT_THAT(warnings, HasSubstr("but 32"));
+  EXPECT_THAT(warnings, HasSubstr("has 32; export"));
 }
 
 TEST_F(StructnerfTrainTest, AbortingLeavesNothing) {
