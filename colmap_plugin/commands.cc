@@ -195,14 +195,8 @@ void PrintOptions(const DenseCommand& command) {
   if (!ModelPath(command).empty()) {
     const auto model = ModelOf(command);
     CheckModel(*model);
-    if (!options.image_path.empty()) {
-      const ImageDetail detail = ChooseImageSize(*model, &options);
-      decisions =
-          DescribeImages(options,
-                         *model,
-                         detail,
-                         options.reconstruction.training.max_image_size);
-    }
+    decisions = DescribeImages(
+        options, *model, options.reconstruction.training.max_image_size);
     SceneAnalysis analysis =
         AnalyzeScene(OutlineScene(*model), options.reconstruction);
     options.reconstruction = std::move(analysis.options);

@@ -78,10 +78,6 @@ std::vector<OptionEntry> MakeOptionTable(StructNerfOptions* options) {
        &options->input_type,
        "Maps that are fused {geometric, photometric}; "
        "StereoFusion.min_num_pixels 0 is chosen from the number of views"},
-      {"StructNeRF.image_size_from_detail",
-       &options->image_size_from_detail,
-       "Train on images of less than StructNeRF.max_image_size where the "
-       "photographs show nothing finer"},
       {"StructNeRF.device",
        &options->device,
        "Where the field is trained and rendered {auto, cpu, cuda}; auto = an "

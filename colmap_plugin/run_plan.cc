@@ -2,7 +2,6 @@
 
 #include "colmap_plugin/cloud_fusion.h"
 #include "colmap_plugin/colmap_compat.h"
-#include "colmap_plugin/image_detail.h"
 #include "colmap_plugin/memory_budget.h"
 #include "colmap_plugin/scene_converter.h"
 #include "colmap_plugin/text_output.h"
@@ -45,6 +44,8 @@ constexpr size_t kDiskBytesPerPixel =
 
 // Copies of the sparse model, stacks of threads, what the allocator keeps.
 constexpr size_t kOverheadBytes = size_t{64} << 20;
+
+constexpr int kMinTrainingImageSize = 64;
 
 }  // namespace
 

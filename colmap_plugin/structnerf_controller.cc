@@ -186,15 +186,14 @@ void StructNerfController::CheckInput() {
                      ? TotalFileSize(*reconstruction_, options_.image_path)
                      : 0,
                  StagedFolder::NumBytesLeft(options_.ResultPath()));
-  const ImageDetail detail = ChooseImageSize(*reconstruction_, &options_);
   StructNerfOptions analyzed = options_;
   analyzed.reconstruction =
       AnalyzeScene(OutlineScene(*reconstruction_), options_.reconstruction)
           .options;
   memory_plan_ = PlanMemory(analyzed, cameras);
   options_.reconstruction.training.max_image_size = memory_plan_.max_image_size;
-  report_.decisions = DescribeImages(
-      options_, *reconstruction_, detail, memory_plan_.max_image_size);
+  report_.decisions =
+      DescribeImages(options_, *reconstruction_, memory_plan_.max_image_size);
   report_.memory_limit = memory_plan_.limit;
   report_.expected_memory = memory_plan_.expected;
   if (!memory_plan_.note.empty()) {

@@ -30,10 +30,6 @@ struct StructNerfOptions {
   std::string method = "structnerf";
   ReconstructionOptions reconstruction;
 
-  // Whether images are trained on at less than training.max_image_size where
-  // photographs show nothing finer (colmap_plugin/image_detail.h).
-  bool image_size_from_detail = true;
-
   // Where the field is trained and rendered: "auto", "cpu" or "cuda"
   // (nerf/engine/devices.h).
   std::string device = "cpu";

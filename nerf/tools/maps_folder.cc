@@ -110,9 +110,7 @@ std::string ImageSizeWarning(const std::vector<View>& views,
       return "The image of " + view.name + " has " + std::to_string(size) +
              " pixels along its longer side, where this quality has " +
              std::to_string(usual_size) +
-             "; export the scene with the same quality" +
-             (size < usual_size ? ", unless its photographs show nothing finer."
-                                : ".");
+             "; export the scene with the same quality.";
     }
   }
   return "";

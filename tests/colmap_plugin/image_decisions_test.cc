@@ -11,7 +11,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <opencv2/imgcodecs.hpp>
 
 namespace structnerf {
 namespace {
@@ -24,7 +23,7 @@ std::vector<std::string> Describe(const TinyModel& model,
   model.WriteModel(folder / "model");
   std::vector<std::string> texts;
   for (const SceneDecision& decision :
-       DescribeImages(options, ReadModel(folder / "model"), {50}, 50)) {
+       DescribeImages(options, ReadModel(folder / "model"), 50)) {
     texts.push_back(decision.Text());
   }
   return texts;
@@ -56,38 +55,6 @@ TEST(DescribeImages, CountsWhatHasToBeDone) {
           "distorts)",
           "training images: at most 50 pixels (the photographs have up to 90)",
           "masks: on (1 of 4 images have one)"));
-}
-
-TEST(DescribeImages, SaysWhatTheirSizeIsChosenBy) {
-  const TempDir folder;
-  const TinyModel model = MakeTinyModel(3);
-  model.WriteModel(folder / "model");
-  const auto decisions = DescribeImages(
-      StructNerfOptions(), ReadModel(folder / "model"), {50, 35, 4.2}, 50);
-  EXPECT_EQ(decisions[1].Text(),
-            "training images: at most 50 pixels (the photographs have up to "
-            "64, at 35 pixels 4.2 of 255 grey levels are lost)");
-}
-
-TEST(ChooseImageSize, FollowsThePhotographsUnlessTold) {
-  const TempDir folder;
-  TinyModel model = MakeTinyModel(3);
-  model.cameras[0] = {"PINHOLE", 640, 480, {600, 600, 320, 240}};
-  model.WriteModel(folder / "model");
-  const auto reconstruction = ReadModel(folder / "model");
-  for (const TinyModel::Image& image : model.images) {
-    cv::imwrite(folder / image.name,
-                cv::Mat(480, 640, CV_8UC3, cv::Scalar::all(120)));
-  }
-  StructNerfOptions options;
-  options.image_path = folder.Path();
-  options.reconstruction.training.max_image_size = 320;
-  options.image_size_from_detail = false;
-  EXPECT_EQ(ChooseImageSize(reconstruction, &options).image_size, 320);
-  EXPECT_EQ(options.reconstruction.training.max_image_size, 320);
-  options.image_size_from_detail = true;
-  EXPECT_EQ(ChooseImageSize(reconstruction, &options).image_size, 80);
-  EXPECT_EQ(options.reconstruction.training.max_image_size, 80);
 }
 
 }  // namespace
