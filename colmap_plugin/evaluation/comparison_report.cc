@@ -181,7 +181,6 @@ std::string ComparisonJson(const Comparison& comparison) {
                        {"agreement", AgreementJson(comparison.agreement)},
                        {"views", std::move(views)},
                        {"notes", comparison.notes}};
-  // Image names need not be UTF-8.
   return JsonText(object);
 }
 

@@ -183,7 +183,6 @@ std::string EvaluationJson(const Evaluation& evaluation) {
   if (evaluation.held_out) {
     object["held_out"] = HeldOutJson(evaluation);
   }
-  // Image names need not be UTF-8.
   return JsonText(object);
 }
 

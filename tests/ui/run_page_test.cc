@@ -24,7 +24,16 @@ namespace fs = std::filesystem;
 
 using testing::HasSubstr;
 
-using RunPageTest = DenseWindowFixture;
+class RunPageTest : public DenseWindowFixture {
+ protected:
+  // That does not end before it is told to; whether it is under way.
+  bool StartLongTraining() {
+    OpenDialog();
+    SetNumSteps(1000000);
+    Click("start");
+    return WaitForTraining();
+  }
+};
 
 // COLMAP closes its model when another project is begun.
 TEST_F(RunPageTest, RunsOnTheModelThatItShows) {
@@ -78,10 +87,7 @@ TEST_F(RunPageTest, LongStagesAnswerAtOnce) {
 }
 
 TEST_F(RunPageTest, StopKeepsWhatWasLearned) {
-  OpenDialog();
-  SetNumSteps(1000000);
-  Click("start");
-  ASSERT_TRUE(WaitForTraining());
+  ASSERT_TRUE(StartLongTraining());
   QElapsedTimer timer;
   timer.start();
   Click("stop");
@@ -95,10 +101,7 @@ TEST_F(RunPageTest, StopKeepsWhatWasLearned) {
 }
 
 TEST_F(RunPageTest, CancelWritesNothing) {
-  OpenDialog();
-  SetNumSteps(1000000);
-  Click("start");
-  ASSERT_TRUE(WaitForTraining());
+  ASSERT_TRUE(StartLongTraining());
   QElapsedTimer timer;
   timer.start();
   Click("cancel");
@@ -109,10 +112,7 @@ TEST_F(RunPageTest, CancelWritesNothing) {
 }
 
 TEST_F(RunPageTest, ClosingInTheMiddleAsks) {
-  OpenDialog();
-  SetNumSteps(1000000);
-  Click("start");
-  ASSERT_TRUE(WaitForTraining());
+  ASSERT_TRUE(StartLongTraining());
   AnswerMessage(QMessageBox::No, "message_close");
   EXPECT_FALSE(Tabs()->window()->close());
   EXPECT_THAT(message_, HasSubstr("has not ended"));
@@ -135,10 +135,7 @@ TEST_F(RunPageTest, ClosingInTheMiddleAsks) {
 }
 
 TEST_F(RunPageTest, ClosingTheMainWindowCancels) {
-  OpenDialog();
-  SetNumSteps(1000000);
-  Click("start");
-  ASSERT_TRUE(WaitForTraining());
+  ASSERT_TRUE(StartLongTraining());
   OnMessage([this](QMessageBox* box) {
     Answer(box, QMessageBox::Yes, "message_close_main_window");
     // COLMAP's own question.
@@ -155,10 +152,7 @@ TEST_F(RunPageTest, ClosingTheMainWindowCancels) {
 }
 
 TEST_F(RunPageTest, ARunMayEndWhileTheQuestionIsOpen) {
-  OpenDialog();
-  SetNumSteps(1000000);
-  Click("start");
-  ASSERT_TRUE(WaitForTraining());
+  ASSERT_TRUE(StartLongTraining());
   OnMessage([this](QMessageBox* box) {
     Click("stop");
     EXPECT_TRUE(WaitForTab(3));
