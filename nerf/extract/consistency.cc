@@ -1,6 +1,7 @@
 #include "nerf/extract/consistency.h"
 
 #include "nerf/extract/map_resolution.h"
+#include "nerf/pixel_transfer.h"
 #include "nerf/util/median.h"
 #include "nerf/view_selection.h"
 
@@ -13,38 +14,6 @@
 
 namespace structnerf {
 namespace {
-
-// Map from the pixels of one view to those of another.
-struct PixelTransfer {
-  PixelTransfer(const View& from, const View& to) {
-    const Eigen::Matrix3d to_matrix = to.camera.CalibrationMatrix();
-    matrix = to_matrix * to.cam_from_world_rotation *
-             from.cam_from_world_rotation.transpose() *
-             from.camera.CalibrationMatrix().inverse();
-    offset = to_matrix * to.cam_from_world_rotation *
-             (from.ProjectionCenter() - to.ProjectionCenter());
-  }
-
-  // Image point and depth in `to` of an image point with a depth in `from`;
-  // false if it is behind the camera.
-  bool Apply(const double x,
-             const double y,
-             const double depth,
-             Eigen::Vector3d* result) const {
-    const Eigen::Vector3d in_to =
-        depth * (matrix * Eigen::Vector3d(x, y, 1)) + offset;
-    if (!(in_to.z() > 0)) {
-      return false;
-    }
-    const double inverse = 1 / in_to.z();
-    *result << in_to.x() * inverse, in_to.y() * inverse, in_to.z();
-    return true;
-  }
-
-  // Homogeneous image point in `to`: depth * matrix * (x, y, 1) + offset.
-  Eigen::Matrix3d matrix;
-  Eigen::Vector3d offset;
-};
 
 bool Confirms(const PixelTransfer& forward,
               const PixelTransfer& backward,
@@ -87,14 +56,19 @@ constexpr double kDegrees = 180.0 / M_PI;
 struct Source {
   Source(const Scene& scene,
          const std::vector<DenseMaps>& all_maps,
-         const size_t reference_idx,
+         const View& reference,
          const int idx)
       : view_idx(idx),
-        forward(scene.views[reference_idx], scene.views[idx]),
-        backward(scene.views[idx], scene.views[reference_idx]),
+        forward(reference,
+                reference.camera,
+                scene.views[idx],
+                scene.views[idx].camera),
+        backward(scene.views[idx],
+                 scene.views[idx].camera,
+                 reference,
+                 reference.camera),
         maps(&all_maps[idx]),
-        center(scene.views[reference_idx].CamFromWorld(
-            scene.views[idx].ProjectionCenter())) {}
+        center(reference.CamFromWorld(scene.views[idx].ProjectionCenter())) {}
 
   int view_idx;
   PixelTransfer forward;
@@ -130,7 +104,7 @@ ViewConsistency CheckConsistency(const Scene& scene,
   std::sort(ascending.begin(), ascending.end());
   std::vector<Source> sources;
   for (const int source_idx : ascending) {
-    sources.emplace_back(scene, maps, view_idx, source_idx);
+    sources.emplace_back(scene, maps, scene.views[view_idx], source_idx);
   }
   const DenseMaps& reference = maps[view_idx];
   const Eigen::Matrix3d ray_from_pixel =

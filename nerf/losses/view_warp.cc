@@ -1,37 +1,23 @@
 #include "nerf/losses/view_warp.h"
 
-#include <Eigen/LU>
+#include "nerf/pixel_transfer.h"
 
 namespace structnerf {
-namespace {
-
-Eigen::Matrix3d CalibrationMatrix(const View& view,
-                                  const TrainingViews::Image& image) {
-  return view.camera.Resized(image.width, image.height).CalibrationMatrix();
-}
-
-}  // namespace
-
 ViewWarp MakeViewWarp(const View& view,
                       const View& source,
                       const TrainingViews::Image& image,
                       const TrainingViews::Image& source_image,
                       const double scale) {
-  const Eigen::Matrix3d k = CalibrationMatrix(source, source_image);
-  const Eigen::Matrix3d rotation =
-      source.cam_from_world_rotation * view.cam_from_world_rotation.transpose();
-  // From centres, not translations: the latter are large where the world's
-  // origin is far away.
-  const Eigen::Vector3d translation =
-      source.cam_from_world_rotation *
-      (view.ProjectionCenter() - source.ProjectionCenter()) * scale;
-  const Eigen::Matrix3d h =
-      k * rotation * CalibrationMatrix(view, image).inverse();
-  const Eigen::Vector3d b = k * translation;
+  const PixelTransfer transfer(
+      view,
+      view.camera.Resized(image.width, image.height),
+      source,
+      source.camera.Resized(source_image.width, source_image.height));
+  const Eigen::Vector3d b = transfer.offset * scale;
   ViewWarp warp;
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
-      warp.h[3 * i + j] = static_cast<float>(h(i, j));
+      warp.h[3 * i + j] = static_cast<float>(transfer.matrix(i, j));
     }
     warp.b[i] = static_cast<float>(b(i));
   }

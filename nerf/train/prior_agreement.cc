@@ -1,11 +1,10 @@
 #include "nerf/train/prior_agreement.h"
 
+#include "nerf/pixel_transfer.h"
 #include "nerf/train/training_views.h"
 
 #include <algorithm>
 #include <cmath>
-
-#include <Eigen/LU>
 
 namespace structnerf {
 namespace {
@@ -15,45 +14,35 @@ constexpr float kMaxError = 0.5f;
 constexpr float kMaxBoundError = 0.15f;
 constexpr size_t kNumSmallest = 4;
 
-// Image point (x, y, 1) of a view at depth d lands in a source at
-// d * from_pixel (x, y, 1) + offset, homogeneous pixels times depth.
-struct SourceMap {
-  SourceMap(const View& view, const View& source_view) : source(source_view) {
-    const Eigen::Matrix3d rotation = source.cam_from_world_rotation *
-                                     view.cam_from_world_rotation.transpose();
-    const Eigen::Matrix3d k = source.ImageCamera().CalibrationMatrix();
-    from_pixel =
-        k * rotation * view.ImageCamera().CalibrationMatrix().inverse();
-    offset = k * (source.cam_from_world_translation -
-                  rotation * view.cam_from_world_translation);
-  }
-
-  const View& source;
-  Eigen::Matrix3d from_pixel;
-  Eigen::Vector3d offset;
+// A source's prior, as seen from the view that is estimated.
+struct Source {
+  const View* view;
+  PixelTransfer transfer;
 };
 
 // Relative difference between a point and the prior of the source it lands in;
 // -1 if that says nothing.
-float RelativeError(const SourceMap& map,
-                    const Eigen::Vector3d& pixel,
+float RelativeError(const Source& source,
+                    const double x,
+                    const double y,
                     const float depth,
                     PriorCounts* counts) {
-  const Eigen::Vector3d point = depth * (map.from_pixel * pixel) + map.offset;
-  if (!(point.z() > 0)) {
+  Eigen::Vector3d in_source;
+  if (!source.transfer.Apply(x, y, depth, &in_source)) {
     ++counts->num_points_behind;
     return -1;
   }
-  const RgbImage& image = map.source.image;
-  const double x = point.x() / point.z();
-  const double y = point.y() / point.z();
-  if (!(x >= 0 && y >= 0 && x < image.width && y < image.height)) {
+  const RgbImage& image = source.view->image;
+  if (!(in_source.x() >= 0 && in_source.y() >= 0 &&
+        in_source.x() < image.width && in_source.y() < image.height)) {
     return -1;
   }
   const float prior =
-      map.source.prior_depth[static_cast<size_t>(y) * image.width +
-                             static_cast<size_t>(x)];
-  return prior > 0 ? static_cast<float>(std::abs(prior - point.z()) / point.z())
+      source.view
+          ->prior_depth[static_cast<size_t>(in_source.y()) * image.width +
+                        static_cast<size_t>(in_source.x())];
+  return prior > 0 ? static_cast<float>(std::abs(prior - in_source.z()) /
+                                        in_source.z())
                    : -1.0f;
 }
 
@@ -75,7 +64,7 @@ float MeanOfSmallest(std::vector<float>* errors) {
 }  // namespace
 
 PriorCounts EstimatePriorDeviations(
-    const std::vector<std::vector<int>>& sources, Scene* scene) {
+    const std::vector<std::vector<int>>& source_view_idxs, Scene* scene) {
   PriorCounts counts;
   std::vector<float> errors;
   for (size_t v = 0; v < scene->views.size(); ++v) {
@@ -83,10 +72,14 @@ PriorCounts EstimatePriorDeviations(
     if (view.prior_depth.empty() || !view.prior_deviation.empty()) {
       continue;
     }
-    std::vector<SourceMap> maps;
-    for (const int source : sources[v]) {
-      if (!scene->views[source].prior_depth.empty()) {
-        maps.emplace_back(view, scene->views[source]);
+    std::vector<Source> sources;
+    for (const int source_idx : source_view_idxs[v]) {
+      const View& source = scene->views[source_idx];
+      if (!source.prior_depth.empty()) {
+        sources.push_back(
+            {&source,
+             PixelTransfer(
+                 view, view.ImageCamera(), source, source.ImageCamera())});
       }
     }
     view.prior_deviation.assign(view.prior_depth.size(), 0.0f);
@@ -95,11 +88,11 @@ PriorCounts EstimatePriorDeviations(
       if (depth == 0) {
         continue;
       }
-      const Eigen::Vector3d pixel(
-          i % view.image.width + 0.5, i / view.image.width + 0.5, 1.0);
+      const double x = i % view.image.width + 0.5;
+      const double y = i / view.image.width + 0.5;
       errors.clear();
-      for (const SourceMap& map : maps) {
-        const float error = RelativeError(map, pixel, depth, &counts);
+      for (const Source& source : sources) {
+        const float error = RelativeError(source, x, y, depth, &counts);
         if (error >= 0) {
           errors.push_back(error);
         }

@@ -21,9 +21,9 @@ struct PriorCounts {
 // its depth in a source view and that view's own prior there (Wei et al. 2021,
 // "NerfingMVS", section 3.3, which asks all other views). Differences count
 // from 5 to 50 %; pixels that no source confirms get the largest.
-//   sources: views to ask, of each view.
+//   source_view_idxs: views to ask, of each view.
 PriorCounts EstimatePriorDeviations(
-    const std::vector<std::vector<int>>& sources, Scene* scene);
+    const std::vector<std::vector<int>>& source_view_idxs, Scene* scene);
 
 // Limits the rays of every pixel with a prior to depth +- deviation, the latter
 // clamped to 5 to 15 % of the depth (NerfingMVS, eq. 6-7), as View::near_depth
