@@ -11,9 +11,9 @@
 #include <algorithm>
 #include <filesystem>
 #include <stdexcept>
-#include <thread>
 
 #include <colmap/image/undistortion.h>
+#include <colmap/util/threading.h>
 
 namespace structnerf {
 namespace {
@@ -82,11 +82,17 @@ MemoryPlan PlanMemory(const StructNerfOptions& options,
       (kCheckBytesPerPixel + num_sources * kCheckBytesPerPixelAndSource);
   const size_t image_bytes =
       std::max<size_t>(1, num_pixels * kDecodingBytesPerPixel);
-  const size_t max_num_decoded = std::max<size_t>(
-      1, std::min<size_t>(std::thread::hardware_concurrency(), cameras.size()));
+  const auto max_images_at_once = [&](const int num_threads) {
+    return std::max<size_t>(
+        1,
+        std::min<size_t>(colmap::GetEffectiveNumThreads(num_threads),
+                         cameras.size()));
+  };
+  const size_t max_num_decoded =
+      max_images_at_once(options.reconstruction.training.num_threads);
   // COLMAP does so on all cores.
   const size_t undistortion_bytes =
-      options.workspace_path.empty() ? max_num_decoded * image_bytes : 0;
+      options.workspace_path.empty() ? max_images_at_once(-1) * image_bytes : 0;
   const size_t base_bytes = CurrentMemory();
   const size_t present_bytes = base_bytes + kOverheadBytes;
 

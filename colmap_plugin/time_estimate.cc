@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <thread>
+
+#include <colmap/util/threading.h>
 
 namespace structnerf {
 namespace {
@@ -42,9 +43,7 @@ TimeEstimate EstimateTime(const StructNerfOptions& options,
   const double completed_pixels =
       method.CompletesPlanes() ? training_pixels : 0;
   const double num_threads =
-      method.training.num_threads > 0
-          ? method.training.num_threads
-          : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+      colmap::GetEffectiveNumThreads(method.training.num_threads);
   TimeEstimate estimate;
   estimate.loading = kPerTrainingPixel * training_pixels / num_threads;
   estimate.training = (kPerSample * samples + kDensityCache) / num_threads;

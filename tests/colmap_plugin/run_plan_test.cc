@@ -80,6 +80,8 @@ TEST(PlanMemory, ReadsAsManyImagesAtOnceAsFit) {
       std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   EXPECT_EQ(PlanMemory(options, MakeCameras(1000)).num_decoded_images,
             std::min(1000, num_cores));
+  options.reconstruction.training.num_threads = 1;
+  EXPECT_EQ(PlanMemory(options, MakeCameras(1000)).num_decoded_images, 1);
 }
 
 TEST(PlanMemory, CountsWhatTheCheckOfAViewHolds) {
