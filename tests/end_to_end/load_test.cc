@@ -14,12 +14,18 @@ namespace {
 
 using LoadTest = ResumedRunTest;
 
+#ifdef __SANITIZE_ADDRESS__  // which takes half a gigabyte itself
+constexpr char kMemoryLimit[] = "--StructNeRF.max_memory_gb=2";
+#else
+constexpr char kMemoryLimit[] = "--StructNeRF.max_memory_gb=0.5";
+#endif
+
 TEST_F(LoadTest, TenRunsSideBySideWithinTheirMemoryLimits) {
   constexpr int kNumRuns = 10;
   std::vector<std::unique_ptr<Program>> programs;
   for (int run = 0; run < kNumRuns; ++run) {
-    programs.push_back(std::make_unique<Program>(Command(
-        {"--StructNeRF.max_memory_gb=0.5"}, "run" + std::to_string(run))));
+    programs.push_back(std::make_unique<Program>(
+        Command({kMemoryLimit}, "run" + std::to_string(run))));
   }
   for (int run = 0; run < kNumRuns; ++run) {
     SCOPED_TRACE(run);

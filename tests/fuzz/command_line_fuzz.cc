@@ -10,6 +10,7 @@
 #include "tests/support/temp_dir.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdlib>
 #include <exception>
 #include <sstream>
@@ -62,7 +63,11 @@ void ParseValuesApart(const std::vector<std::string>& args) {
     _exit(EXIT_SUCCESS);
   }
   int status = 0;
-  if (child < 0 || waitpid(child, &status, 0) != child) {
+  pid_t ended = -1;
+  do {
+    ended = waitpid(child, &status, 0);
+  } while (ended < 0 && errno == EINTR);  // libFuzzer's timer
+  if (child < 0 || ended != child) {
     FuzzFault("the test's own process cannot be made");
   }
   if (!WIFEXITED(status) || WEXITSTATUS(status) != EXIT_SUCCESS) {
