@@ -3,6 +3,7 @@
 #include "nerf/pixel_transfer.h"
 
 namespace structnerf {
+
 ViewWarp MakeViewWarp(const View& view,
                       const View& source,
                       const TrainingViews::Image& image,
