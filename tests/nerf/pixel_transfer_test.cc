@@ -18,13 +18,6 @@ const View kTo = MakeView("to",
                           kOrigin + Eigen::Vector3d(0.5, -0.2, 0.3),
                           Eigen::Vector3d(-0.2, 0.1, 1));
 
-Eigen::Vector3d InWorld(const double x, const double y, const double depth) {
-  const PinholeCamera& camera = kFrom.camera;
-  return kFrom.WorldFromCam({depth * (x - camera.cx) / camera.fx,
-                             depth * (y - camera.cy) / camera.fy,
-                             depth});
-}
-
 TEST(PixelTransfer, ProjectsIntoTheOtherView) {
   const PixelTransfer transfer(kFrom, kFrom.camera, kTo, kTo.camera);
   for (const double depth : {0.9, 4.0, 30.0}) {
@@ -32,7 +25,8 @@ TEST(PixelTransfer, ProjectsIntoTheOtherView) {
          {std::pair(0.5, 0.5), {63.5, 7.0}, {20.0, 47.5}}) {
       Eigen::Vector3d result;
       ASSERT_TRUE(transfer.Apply(x, y, depth, &result));
-      const Eigen::Vector3d expected = Project(kTo, InWorld(x, y, depth));
+      const Eigen::Vector3d expected =
+          Project(kTo, Unproject(kFrom, x, y, depth));
       // World coordinates of this size are exact to 1e-9.
       EXPECT_LT((result - expected).norm(), 1e-6) << x << " " << y;
     }

@@ -43,11 +43,7 @@ void TexturedPlane::Photograph(const int width,
     for (int col = 0; col < width; ++col) {
       const double x = (col + 0.5) * camera.width / width;
       const double y = (row + 0.5) * camera.height / height;
-      const double depth = Depth(*view, x, y);
-      const Eigen::Vector3d in_view(depth * (x - camera.cx) / camera.fx,
-                                    depth * (y - camera.cy) / camera.fy,
-                                    depth);
-      const double gray = Gray(view->WorldFromCam(in_view));
+      const double gray = Gray(Unproject(*view, x, y, Depth(*view, x, y)));
       for (int c = 0; c < 3; ++c) {
         view->image.data[3 * (static_cast<size_t>(row) * width + col) + c] =
             static_cast<uint8_t>(255 * gray + 0.5);
@@ -100,6 +96,16 @@ Eigen::Vector3d Project(const View& view, const Eigen::Vector3d& xyz) {
       view.camera.fx * in_view.x() / in_view.z() + view.camera.cx,
       view.camera.fy * in_view.y() / in_view.z() + view.camera.cy,
       in_view.z());
+}
+
+Eigen::Vector3d Unproject(const View& view,
+                          const double x,
+                          const double y,
+                          const double depth) {
+  const PinholeCamera& camera = view.camera;
+  return view.WorldFromCam({depth * (x - camera.cx) / camera.fx,
+                            depth * (y - camera.cy) / camera.fy,
+                            depth});
 }
 
 RgbImage PlainImage(const int width, const int height, const uint8_t value) {

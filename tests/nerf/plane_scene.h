@@ -50,6 +50,9 @@ SparsePoint MakePoint(const Scene& scene,
 // Image point and z-depth of a world point.
 Eigen::Vector3d Project(const View& view, const Eigen::Vector3d& xyz);
 
+// The other way round.
+Eigen::Vector3d Unproject(const View& view, double x, double y, double depth);
+
 // An image of one colour.
 RgbImage PlainImage(int width, int height, uint8_t value);
 

@@ -96,12 +96,8 @@ TEST(CheckConsistency, ViewsOfAPlaneConfirmEachOther) {
   for (int row = 0; row < kHeight; ++row) {
     for (int col = 0; col < kWidth; ++col) {
       const View& view = test.scene.views[0];
-      const PinholeCamera& camera = view.camera;
       const double depth = test.plane.Depth(view, col, row);
-      const Eigen::Vector3d in_world =
-          view.WorldFromCam({depth * (col - camera.cx) / camera.fx,
-                             depth * (row - camera.cy) / camera.fy,
-                             depth});
+      const Eigen::Vector3d in_world = Unproject(view, col, row, depth);
       std::vector<int> expected;
       bool is_at_border = false;
       for (const int source : {1, 2}) {

@@ -47,12 +47,8 @@ void ExpectProjections(const Scene& scene, const double tolerance) {
   for (const double depth : {0.9, 4.0, 30.0}) {
     for (const auto& [x, y] :
          {std::pair(0.5, 0.5), {63.5, 7.0}, {20.0, 47.5}}) {
-      const PinholeCamera& camera = view.camera;
-      const Eigen::Vector3d in_view(depth * (x - camera.cx) / camera.fx,
-                                    depth * (y - camera.cy) / camera.fy,
-                                    depth);
       const Eigen::Vector3d expected =
-          Project(source, view.WorldFromCam(in_view));
+          Project(source, Unproject(view, x, y, depth));
       const Eigen::Vector3d p = Warp(warp, x, y, depth);
       // In the source's image, which is half its camera's size.
       EXPECT_NEAR(p.x() / p.z(), expected.x() / 2, tolerance);

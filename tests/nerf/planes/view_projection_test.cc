@@ -39,15 +39,12 @@ class ViewProjectionTest : public testing::Test {
   Eigen::Vector3d Expected(const int col,
                            const int row,
                            const double depth) const {
-    const PinholeCamera camera =
-        view_.camera.Resized(image_.width, image_.height);
-    const Eigen::Vector3d in_view(depth * (col + 0.5 - camera.cx) / camera.fx,
-                                  depth * (row + 0.5 - camera.cy) / camera.fy,
-                                  depth);
-    View resized = source_;
-    resized.camera =
+    View view = view_;
+    view.camera = view_.camera.Resized(image_.width, image_.height);
+    View source = source_;
+    source.camera =
         source_.camera.Resized(source_image_.width, source_image_.height);
-    return Project(resized, view_.WorldFromCam(in_view));
+    return Project(source, Unproject(view, col + 0.5, row + 0.5, depth));
   }
 
   View view_;
