@@ -18,25 +18,39 @@ constexpr double kMaxAngle = 30.0;
 constexpr double kMinSlope = 0.3;  // per radian
 constexpr double kMaxSlope = 30.0;
 
-// Of central differences between pixels so far away, where there are pixels on
-// both sides.
+// Of differences between pixels so far away on either side, or on one side
+// where only that one has a depth. A pixel on its own is as uncertain as any.
 double LargestSlope(const PinholeCamera& camera,
                     const DenseMaps& maps,
                     const int col,
                     const int row,
                     const int offset) {
+  // 0 = none.
   const auto depth = [&](const int other_col, const int other_row) {
-    return static_cast<double>(
-        maps.depth[static_cast<size_t>(
-                       std::clamp(other_row, 0, maps.height - 1)) *
-                       maps.width +
-                   std::clamp(other_col, 0, maps.width - 1)]);
+    const bool is_inside = other_col >= 0 && other_col < maps.width &&
+                           other_row >= 0 && other_row < maps.height;
+    return is_inside
+               ? static_cast<double>(
+                     maps.depth[static_cast<size_t>(other_row) * maps.width +
+                                other_col])
+               : 0.0;
   };
-  const double by_x =
-      camera.fx * std::abs(depth(col + offset, row) - depth(col - offset, row));
-  const double by_y =
-      camera.fy * std::abs(depth(col, row + offset) - depth(col, row - offset));
-  return 0.5 * std::max(by_x, by_y) / (offset * depth(col, row));
+  const double center = depth(col, row);
+  double largest = -1;
+  const auto compare =
+      [&](const double before, const double after, const double focal_length) {
+        const int num_steps = (before > 0) + (after > 0);
+        if (num_steps > 0) {
+          const double change =
+              (after > 0 ? after : center) - (before > 0 ? before : center);
+          largest = std::max(
+              largest,
+              focal_length * std::abs(change) / (num_steps * offset * center));
+        }
+      };
+  compare(depth(col - offset, row), depth(col + offset, row), camera.fx);
+  compare(depth(col, row - offset), depth(col, row + offset), camera.fy);
+  return largest < 0 ? kMaxSlope : largest;
 }
 
 }  // namespace

@@ -106,7 +106,41 @@ TEST(EstimateConfidence, NoDepthHasNone) {
   const auto confidence = EstimateConfidence(
       MakeCamera(kWidth, kHeight, 50), maps, ConstantAngle(10));
   EXPECT_EQ(confidence[7], 0);
-  EXPECT_GT(confidence[6], 0);
+}
+
+// Masked pixels are no surface at depth 0.
+TEST(EstimateConfidence, HolesAndBordersAreNoEdges) {
+  DenseMaps maps = ConstantDepth(2);
+  for (int row = 0; row < kHeight; ++row) {
+    for (int col = 0; col < kWidth; ++col) {
+      maps.depth[row * kWidth + col] += 0.02f * col;
+    }
+  }
+  const PinholeCamera camera = MakeCamera(kWidth, kHeight, 50);
+  const auto expected = EstimateConfidence(camera, maps, ConstantAngle(10));
+  const size_t pixel = 15 * kWidth + 20;
+  for (const int neighbor : {-1, 1, -kWidth, kWidth}) {
+    DenseMaps holed = maps;
+    holed.depth[pixel + neighbor] = 0;
+    const auto confidence =
+        EstimateConfidence(camera, holed, ConstantAngle(10));
+    EXPECT_NEAR(confidence[pixel], expected[pixel], 1e-5) << neighbor;
+  }
+  // Depth differs from column to column by the same, relative to it by less.
+  EXPECT_NEAR(expected[0], expected[2], 0.01);
+  EXPECT_NEAR(expected[kWidth - 1], expected[kWidth - 3], 0.01);
+}
+
+TEST(EstimateConfidence, PixelsOnTheirOwnAreUncertain) {
+  DenseMaps maps = ConstantDepth(2);
+  const size_t pixel = 15 * kWidth + 20;
+  const PinholeCamera camera = MakeCamera(kWidth, kHeight, 50);
+  const float among_others =
+      EstimateConfidence(camera, maps, ConstantAngle(10))[pixel];
+  maps.depth.assign(maps.depth.size(), 0.0f);
+  maps.depth[pixel] = 2;
+  EXPECT_LT(EstimateConfidence(camera, maps, ConstantAngle(10))[pixel],
+            among_others - 0.2f);
 }
 
 }  // namespace
