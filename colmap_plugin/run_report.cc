@@ -6,6 +6,7 @@
 #include "colmap_plugin/text_output.h"
 
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <thread>
@@ -229,13 +230,15 @@ std::string ReportText(const RunReport& report) {
           report.num_fused_points,
           report.fusion_min_num_pixels);
   AppendF(&text,
-          "Training          %d steps%s, loss %.4f, %.2f M samples/s",
+          "Training          %d steps%s, %.2f M samples/s",
           report.training.num_steps,
           report.training.stopped_early                ? " (stopped early)"
           : report.training.num_steps_to_converge >= 0 ? " (converged)"
                                                        : "",
-          report.training.final_loss,
           1e-6 * SamplesPerSecond(report.training));
+  if (!std::isnan(report.training.final_loss)) {
+    AppendF(&text, ", loss %.4f", report.training.final_loss);
+  }
   if (report.training.held_out_psnr >= 0) {
     AppendF(&text, ", held-out PSNR %.2f dB", report.training.held_out_psnr);
   }

@@ -37,7 +37,7 @@ std::string DetailText(const ProgressUpdate& update) {
   if (update.seconds_left >= 0 && update.fraction > 0 && update.fraction < 1) {
     text += ", " + DurationText(update.seconds_left) + " left";
   }
-  if (update.loss >= 0) {
+  if (!std::isnan(update.loss)) {
     snprintf(number, sizeof(number), ", loss %.4f", update.loss);
     text += number;
   }
@@ -119,7 +119,7 @@ void TerminalProgress::Report(const ProgressUpdate& update) {
         (now - stage_start_) * (1 - shown.fraction) / shown.fraction;
   }
   // The last known numbers stay visible.
-  shown.loss = update.loss >= 0 ? update.loss : last_update_.loss;
+  shown.loss = std::isnan(update.loss) ? last_update_.loss : update.loss;
   shown.held_out_psnr = update.held_out_psnr >= 0 ? update.held_out_psnr
                                                   : last_update_.held_out_psnr;
   last_update_ = shown;

@@ -4,16 +4,19 @@
 
 #include <chrono>
 #include <cstddef>
+#include <limits>
 #include <string>
 
 namespace structnerf {
 
 // What long work tells the one who waits for it.
 struct ProgressUpdate {
-  std::string stage;          // e.g. "Training"
-  double fraction = 0;        // of this stage, in [0, 1]
-  double seconds_left = -1;   // of this stage; -1 = not known yet
-  double loss = -1;           // total training loss; -1 = none
+  std::string stage;         // e.g. "Training"
+  double fraction = 0;       // of this stage, in [0, 1]
+  double seconds_left = -1;  // of this stage; -1 = not known yet
+
+  // Total training loss, of either sign; NaN = none.
+  double loss = std::numeric_limits<double>::quiet_NaN();
   double held_out_psnr = -1;  // dB; -1 = none
 };
 
@@ -26,8 +29,10 @@ class Progress {
 
   virtual void Report(const ProgressUpdate& update);
 
-  // Polled at least every 200 ms. Once true, training ends with what it has
-  // learned and later stages still run, unless ShouldAbort() is true as well.
+  // Polled at least every 200 ms; where the field is NeRF's own networks, every
+  // training step or batch of rays, which take seconds to minutes there. Once
+  // true, training ends with what it has learned and later stages still run,
+  // unless ShouldAbort() is true as well.
   virtual bool ShouldStop();
 
   // Polled as often. Once true, the work ends as soon as possible by throwing

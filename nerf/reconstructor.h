@@ -9,6 +9,7 @@
 #include "nerf/scene.h"
 
 #include <cstddef>
+#include <limits>
 #include <map>
 #include <memory>
 #include <string>
@@ -26,7 +27,8 @@ struct TrainingSummary {
   // asked (TrainingOptions::stop_when_converged).
   int num_steps_to_converge = -1;
 
-  double final_loss = -1;
+  // Of the last steps; NaN = none was done.
+  double final_loss = std::numeric_limits<double>::quiet_NaN();
   double held_out_psnr = -1;  // dB; -1 = no pixel was held out
   double seconds = 0;         // wall time
   size_t num_rays = 0;

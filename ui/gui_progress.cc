@@ -1,5 +1,7 @@
 #include "ui/gui_progress.h"
 
+#include <cmath>
+
 #include <glog/logging.h>
 
 namespace structnerf {
@@ -11,7 +13,7 @@ constexpr double kMinFractionToGuess = 0.05;
 void AddPoint(const double fraction,
               const double value,
               std::vector<CurvePoint>* curve) {
-  if (value >= 0 && (curve->empty() || curve->back().value != value)) {
+  if (curve->empty() || curve->back().value != value) {
     curve->push_back({fraction, value});
   }
 }
@@ -32,8 +34,12 @@ void GuiProgress::Report(const ProgressUpdate& update) {
         std::chrono::duration<double>(Clock::now() - stage_begin_).count();
     state_.seconds_left = seconds * (1 - update.fraction) / update.fraction;
   }
-  AddPoint(update.fraction, update.loss, &state_.loss);
-  AddPoint(update.fraction, update.held_out_psnr, &state_.held_out_psnr);
+  if (!std::isnan(update.loss)) {
+    AddPoint(update.fraction, update.loss, &state_.loss);
+  }
+  if (update.held_out_psnr >= 0) {
+    AddPoint(update.fraction, update.held_out_psnr, &state_.held_out_psnr);
+  }
 }
 
 bool GuiProgress::ShouldStop() {

@@ -8,6 +8,7 @@
 #include "nerf/train/training_guards.h"
 
 #include <chrono>
+#include <limits>
 
 namespace structnerf {
 
@@ -16,7 +17,7 @@ struct TrainingState {
   TrainingSummary summary;  // the parts that add up step by step
   int step = 0;             // the next one
   bool is_complete = false;
-  double mean_loss = -1;
+  double mean_loss = std::numeric_limits<double>::quiet_NaN();  // NaN = none
   double held_out_psnr = -1;
   double next_psnr = 0;  // share of the training at which it is measured next
   ConvergenceMonitor convergence;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 namespace structnerf {
 namespace {
@@ -152,7 +153,7 @@ TrainingSummary Trainer::Run(Progress* progress,
       loss += value;
     }
     if (std::isfinite(loss)) {
-      mean_loss = mean_loss < 0 ? loss : 0.98 * mean_loss + 0.02 * loss;
+      mean_loss = std::isnan(mean_loss) ? loss : 0.98 * mean_loss + 0.02 * loss;
     }
     const double decay =
         guards.LearningRateFactor() *
@@ -170,7 +171,7 @@ TrainingSummary Trainer::Run(Progress* progress,
       step = next_step;
     } else {
       step = 0;
-      mean_loss = -1;
+      mean_loss = std::numeric_limits<double>::quiet_NaN();
       state.next_psnr = measurement_interval;
       state.convergence = ConvergenceMonitor();
       summary.num_steps_to_converge = -1;

@@ -59,6 +59,14 @@ TEST_F(TerminalProgressTest, PlainLinesComeEveryTenth) {
   EXPECT_EQ(Output(), "");
 }
 
+TEST_F(TerminalProgressTest, NegativeLossIsShown) {
+  TerminalProgress progress = MakeProgress(false);
+  progress.Report({"Training", 0, -1, -0.5});
+  seconds_ += 5;
+  progress.Report({"Training", 0.5});
+  EXPECT_THAT(Output(), HasSubstr("5 s left, loss -0.5000"));
+}
+
 TEST_F(TerminalProgressTest, PlainLinesComeAtMostOncePerSecond) {
   TerminalProgress progress = MakeProgress(false);
   for (int i = 0; i <= 100; ++i) {

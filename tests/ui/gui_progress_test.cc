@@ -24,7 +24,7 @@ TEST(GuiProgress, StateIsWhatWasReportedLast) {
   update.loss = 0.5;
   progress.Report(update);
   update.fraction = 0.5;
-  update.loss = 0.25;
+  update.loss = -0.25;
   update.held_out_psnr = 20;
   progress.Report(update);
   const RunState state = progress.State();
@@ -33,7 +33,7 @@ TEST(GuiProgress, StateIsWhatWasReportedLast) {
   EXPECT_EQ(state.seconds_left, 12);
   ASSERT_EQ(state.loss.size(), 2u);
   EXPECT_EQ(state.loss[0].fraction, 0.25);
-  EXPECT_EQ(state.loss[1].value, 0.25);
+  EXPECT_EQ(state.loss[1].value, -0.25);
   ASSERT_EQ(state.held_out_psnr.size(), 1u);
   EXPECT_EQ(state.held_out_psnr[0].value, 20);
 }

@@ -181,7 +181,14 @@ TEST_F(TrainerTest, StopsBeforeTheFirstStep) {
   const TrainingSummary summary = Run();
   EXPECT_TRUE(summary.stopped_early);
   EXPECT_EQ(summary.num_steps, 0);
-  EXPECT_EQ(summary.final_loss, -1);
+  EXPECT_TRUE(std::isnan(summary.final_loss));
+}
+
+// A likelihood is a loss that may be negative.
+TEST_F(TrainerTest, NegativeLossesAreSmoothed) {
+  engine_.loss = [](const int step) { return step < 100 ? -1.0 : 0.0; };
+  const TrainingSummary summary = Run();
+  EXPECT_NEAR(summary.final_loss, -std::pow(0.98, 100), 1e-6);
 }
 
 TEST_F(TrainerTest, AbortsAtTheStepWhenAsked) {
