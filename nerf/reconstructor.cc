@@ -1,6 +1,7 @@
 #include "nerf/reconstructor.h"
 
 #include "nerf/analysis/scene_analysis.h"
+#include "nerf/engine/hierarchical_sampling.h"
 #include "nerf/engine/scene_engine_options.h"
 #include "nerf/extract/depth_renderer.h"
 #include "nerf/extract/normal_estimation.h"
@@ -77,8 +78,9 @@ size_t EstimateMlpMemory(const ReconstructionOptions& options) {
   for (const LayerLayout& layer : layout.Layers()) {
     floats_per_point += layer.num_inputs + 2 * layer.num_outputs;
   }
-  return sizeof(float) * (2 * 4 * layout.num_parameters +
-                          kMaxMlpBatchPoints * floats_per_point);
+  return sizeof(float) *
+         (2 * 4 * layout.num_parameters +
+          MlpBatchSize(options.sampling).num_points * floats_per_point);
 }
 
 }  // namespace
@@ -257,7 +259,7 @@ DenseMaps Reconstructor::RenderView(const size_t view_idx,
   const View& view = impl_->scene.views.at(view_idx);
   DenseMaps maps =
       RenderDepth(view, impl_->frame, impl_->engine.get(), progress);
-  EstimateNormals(view.camera, &maps);
+  EstimateNormals(view.camera, impl_->pool.get(), &maps);
   if (impl_->options.stereo.num_iterations > 0) {
     RefineDepth(view,
                 static_cast<int>(view_idx),

@@ -1,5 +1,7 @@
 #include "nerf/engine/hierarchical_sampling.h"
 
+#include "nerf/engine/ray_tile.h"
+
 #include <algorithm>
 
 namespace structnerf {
@@ -8,6 +10,9 @@ namespace {
 // Every interval counts at least this much (as in NeRF's code), so that rays
 // that stop no light are sampled evenly.
 constexpr float kMinWeight = 1e-5f;
+
+// Of a batch, unless one tile has more.
+constexpr size_t kMaxBatchPoints = size_t{1} << 14;
 
 }  // namespace
 
@@ -71,6 +76,15 @@ RayPoints RefinedPoints(const RayPoints& coarse,
   }
   points.edges.push_back(coarse.edges.back());
   return points;
+}
+
+MlpBatchSize::MlpBatchSize(const SamplingOptions& sampling) {
+  // The fine network sees the coarse one's points again.
+  const size_t points_per_tile =
+      static_cast<size_t>(kMaxTileRays) *
+      (2 * sampling.num_samples + sampling.num_fine_samples);
+  num_tiles = std::max<size_t>(1, kMaxBatchPoints / points_per_tile);
+  num_points = num_tiles * points_per_tile;
 }
 
 }  // namespace structnerf

@@ -1,7 +1,9 @@
 #pragma once
 
+#include "nerf/options.h"
 #include "nerf/util/random.h"
 
+#include <cstddef>
 #include <vector>
 
 namespace structnerf {
@@ -31,5 +33,15 @@ RayPoints RefinedPoints(const RayPoints& coarse,
                         float guide_depth,
                         float guide_deviation,
                         Random* random);
+
+// How many tiles of rays, at least one, are evaluated at a time, and how many
+// points of both networks these have: their activations are kept for the
+// gradient, some 12 KB each in NeRF's network.
+struct MlpBatchSize {
+  explicit MlpBatchSize(const SamplingOptions& sampling);
+
+  size_t num_tiles = 0;
+  size_t num_points = 0;
+};
 
 }  // namespace structnerf

@@ -7,6 +7,7 @@
 #include <torch/torch.h>
 
 namespace structnerf {
+
 TorchMlp MakeTorchMlp(const MlpLayout& layout, const torch::Tensor& values) {
   TorchMlp mlp;
   for (const LayerLayout& layer : layout.Layers()) {
@@ -61,6 +62,9 @@ TorchMlpOutput EvaluateTorchMlp(const MlpLayout& layout,
   output.raw_density = torch::log(
       torch::clamp_min(kMlpUnitsPerFieldUnit * apply(hidden).squeeze(1),
                        std::exp(kMinRawDensity)));
+  if (!directions.defined()) {
+    return output;
+  }
   const torch::Tensor feature = apply(hidden);
   std::vector<torch::Tensor> color_inputs = {
       feature, EncodeFrequencies(directions, kDirectionFrequencies)};

@@ -24,15 +24,15 @@ torch::Tensor EncodeFrequencies(const torch::Tensor& x, int num_frequencies);
 
 struct TorchMlpOutput {
   torch::Tensor raw_density;  // samples; log density per field unit
-  torch::Tensor color;        // samples x 3, in [0, 1]
+  torch::Tensor color;        // samples x 3, in [0, 1]; undefined if unwanted
 };
 
 // The field at some points. Density is rectified, as NeRF's, in the
 // network's units (nerf/field/mlp_layout.h), but never less than what
 // nerf/kernels/compositing.h takes for nothing.
 //   positions: samples x 3, field coordinates. extent: 3, of the scene box.
-//   directions: samples x 3, of unit length.
-//   codes: samples x latent_size; not read if that is 0.
+//   directions: samples x 3, of unit length; undefined if no colour is wanted.
+//   codes: samples x latent_size; read for colour only, and if that is not 0.
 TorchMlpOutput EvaluateTorchMlp(const MlpLayout& layout,
                                 const TorchMlp& mlp,
                                 const torch::Tensor& positions,

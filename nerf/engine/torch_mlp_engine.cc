@@ -66,7 +66,8 @@ class TorchMlpEngine : public RenderEngine {
       const StepParameters& step,
       const std::vector<std::unique_ptr<TileObjective>>& objectives) override {
     LossValues losses = {};
-    const int tiles_per_batch = static_cast<int>(TilesPerBatch());
+    const int tiles_per_batch =
+        static_cast<int>(MlpBatchSize(options_.sampling).num_tiles);
     for (int begin = 0; begin < step.num_tiles; begin += tiles_per_batch) {
       AccumulateTiles(step.step,
                       begin,
@@ -110,15 +111,18 @@ class TorchMlpEngine : public RenderEngine {
   }
 
   void Render(const std::vector<RayTile>& tiles,
-              bool /*with_color*/,
+              const bool with_color,
               std::vector<RayOutputs>* outputs) override {
     const torch::NoGradGuard no_grad;
     outputs->resize(tiles.size());
-    for (size_t begin = 0; begin < tiles.size(); begin += TilesPerBatch()) {
-      const size_t end = std::min(tiles.size(), begin + TilesPerBatch());
+    const size_t tiles_per_batch = MlpBatchSize(options_.sampling).num_tiles;
+    for (size_t begin = 0; begin < tiles.size(); begin += tiles_per_batch) {
+      const size_t end = std::min(tiles.size(), begin + tiles_per_batch);
       const std::vector<RayTile> batch(tiles.begin() + begin,
                                        tiles.begin() + end);
-      const MlpRendering rendering = RenderBatch(MakeBatch(batch), nullptr);
+      const bool has_fine = options_.sampling.num_fine_samples > 0;
+      const MlpRendering rendering = RenderBatch(
+          MakeBatch(batch), with_color && !has_fine, with_color, nullptr);
       int64_t first_ray = 0;
       for (size_t tile = begin; tile < end; ++tile) {
         CopyOutputs(
@@ -226,13 +230,6 @@ class TorchMlpEngine : public RenderEngine {
     return CopyValues(torch::cat(parts));
   }
 
-  size_t TilesPerBatch() const {
-    const size_t points_per_tile = static_cast<size_t>(kMaxTileRays) *
-                                   (2 * options_.sampling.num_samples +
-                                    options_.sampling.num_fine_samples);
-    return std::max<size_t>(1, kMaxMlpBatchPoints / points_per_tile);
-  }
-
   RayBatch MakeBatch(const std::vector<RayTile>& tiles) const {
     RayBatch batch;
     std::vector<float> origin[3];
@@ -287,27 +284,31 @@ class TorchMlpEngine : public RenderEngine {
   RenderedBatch RenderPoints(const TorchMlp& mlp,
                              const RayBatch& batch,
                              const std::vector<float>& edges,
-                             const std::vector<float>& depths) const {
+                             const std::vector<float>& depths,
+                             const bool with_color) const {
     const int64_t num_rays = batch.origin.size(0);
     const torch::Tensor depth = MakeTensor(depths, type_).view({num_rays, -1});
     const int64_t n = depth.size(1);
     const torch::Tensor positions =
         batch.origin.unsqueeze(1) +
         depth.unsqueeze(2) * batch.direction.unsqueeze(1);
-    const torch::Tensor directions =
-        (batch.direction / batch.ray_length.unsqueeze(1))
-            .unsqueeze(1)
-            .expand({num_rays, n, 3});
-    torch::Tensor codes;  // of the samples
-    if (layout_.latent_size > 0) {
-      codes = batch.codes.repeat_interleave(n, 0);
+    torch::Tensor directions;  // of the samples
+    torch::Tensor codes;
+    if (with_color) {
+      directions = (batch.direction / batch.ray_length.unsqueeze(1))
+                       .unsqueeze(1)
+                       .expand({num_rays, n, 3})
+                       .reshape({num_rays * n, 3});
+      if (layout_.latent_size > 0) {
+        codes = batch.codes.repeat_interleave(n, 0);
+      }
     }
     const TorchMlpOutput output =
         EvaluateTorchMlp(layout_,
                          mlp,
                          positions.reshape({num_rays * n, 3}),
                          extent_,
-                         directions.reshape({num_rays * n, 3}),
+                         directions,
                          codes);
     RenderedBatch rendered;
     rendered.raw_density = output.raw_density.view({num_rays, n});
@@ -315,14 +316,19 @@ class TorchMlpEngine : public RenderEngine {
         CompositeWithTorch(rendered.raw_density,
                            MakeTensor(edges, type_).view({num_rays, n + 1}),
                            batch.ray_length);
-    rendered.color = RayColorWithTorch(rendered.composite.weight,
-                                       output.color.view({num_rays, n, 3}),
-                                       options_.min_color_weight);
+    if (with_color) {
+      rendered.color = RayColorWithTorch(rendered.composite.weight,
+                                         output.color.view({num_rays, n, 3}),
+                                         options_.min_color_weight);
+    }
     return rendered;
   }
 
   // `random`: as in StratifiedPoints.
-  MlpRendering RenderBatch(const RayBatch& batch, Random* random) const {
+  MlpRendering RenderBatch(const RayBatch& batch,
+                           const bool with_coarse_color,
+                           const bool with_fine_color,
+                           Random* random) const {
     const int num_coarse = options_.sampling.num_samples;
     const int num_fine = options_.sampling.num_fine_samples;
     std::vector<RayPoints> points;
@@ -339,7 +345,8 @@ class TorchMlpEngine : public RenderEngine {
       append(points.back());
     }
     rendering.num_points = num_coarse;
-    rendering.coarse = RenderPoints(coarse_, batch, rendering.edges, depths);
+    rendering.coarse = RenderPoints(
+        coarse_, batch, rendering.edges, depths, with_coarse_color);
     rendering.fine = rendering.coarse;
     if (num_fine > 0) {
       const std::vector<float> weight =
@@ -355,7 +362,8 @@ class TorchMlpEngine : public RenderEngine {
                              random));
       }
       rendering.num_points = num_coarse + num_fine;
-      rendering.fine = RenderPoints(fine_, batch, rendering.edges, depths);
+      rendering.fine =
+          RenderPoints(fine_, batch, rendering.edges, depths, with_fine_color);
     }
     return rendering;
   }
@@ -375,7 +383,10 @@ class TorchMlpEngine : public RenderEngine {
       return;
     }
     Random random(options_.seed, step, begin);
-    const MlpRendering rendering = RenderBatch(MakeBatch(tiles), &random);
+    const MlpRendering rendering = RenderBatch(MakeBatch(tiles),
+                                               /*with_coarse_color=*/true,
+                                               /*with_fine_color=*/true,
+                                               &random);
     const bool has_fine = options_.sampling.num_fine_samples > 0;
     const size_t n = rendering.num_points;
     const std::vector<float> weight =

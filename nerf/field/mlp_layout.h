@@ -14,10 +14,6 @@ namespace structnerf {
 constexpr int kPositionFrequencies = 10;
 constexpr int kDirectionFrequencies = 4;
 
-// Most points that are evaluated at a time: their activations are kept for the
-// gradient, some 12 KB each in NeRF's network.
-constexpr size_t kMaxMlpBatchPoints = size_t{1} << 14;
-
 // The network sees the scene box as [-1, 1] along its longest side.
 constexpr float kMlpUnitsPerFieldUnit = 2;
 

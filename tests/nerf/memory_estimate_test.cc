@@ -49,6 +49,10 @@ TEST(EstimateMemory, OfTheMlpIsThatOfItsNetworks) {
   EXPECT_EQ(Reconstructor::EstimateMemory(options, 20, camera), base);
   options.field.mlp_width = 512;
   EXPECT_GT(Reconstructor::EstimateMemory(options, 20, camera), base);
+  // So many samples that one tile of rays is more than a batch.
+  options.field.mlp_width = 256;
+  options.sampling.num_fine_samples = 1024;
+  EXPECT_GT(Reconstructor::EstimateMemory(options, 20, camera), 1.5 * base);
 }
 
 // Only the C library keeps count.

@@ -25,6 +25,17 @@ void ExpectValid(const RayPoints& points, const size_t count) {
   }
 }
 
+TEST(MlpBatchSize, IsWholeTilesAndOneAtLeast) {
+  SamplingOptions sampling;
+  sampling.num_samples = 8;
+  sampling.num_fine_samples = 16;
+  EXPECT_EQ(MlpBatchSize(sampling).num_tiles, 16u);
+  EXPECT_EQ(MlpBatchSize(sampling).num_points, 16384u);
+  sampling.num_fine_samples = 1024;
+  EXPECT_EQ(MlpBatchSize(sampling).num_tiles, 1u);
+  EXPECT_EQ(MlpBatchSize(sampling).num_points, 32u * 1040);
+}
+
 TEST(StratifiedPoints, AreInTheMiddleUnlessJittered) {
   EXPECT_THAT(StratifiedPoints(1, 5, 4, nullptr).depth,
               ElementsAre(1.5f, 2.5f, 3.5f, 4.5f));

@@ -142,6 +142,24 @@ TEST(TorchMlpEngine, ParametersComeBackAndDecideWhatIsRendered) {
   }
 }
 
+TEST(TorchMlpEngine, ColorIsLeftAloneUnlessAskedFor) {
+  for (const int num_fine_samples : {0, 12}) {
+    EngineOptions options = MakeOptions(num_fine_samples);
+    options.field.latent_size = 4;
+    const auto engine = MakeTorchMlpEngine(options, TorchPrecision::kFloat);
+    const std::vector<RayTile> tiles = {RandomRays(1, 0, 0, 20)};
+    std::vector<RayOutputs> expected;
+    engine->Render(tiles, /*with_color=*/true, &expected);
+    std::vector<RayOutputs> outputs(1);
+    outputs[0].color[1].fill(-3);
+    engine->Render(tiles, /*with_color=*/false, &outputs);
+    for (int ray = 0; ray < 20; ++ray) {
+      EXPECT_EQ(outputs[0].depth[ray], expected[0].depth[ray]);
+      EXPECT_EQ(outputs[0].color[1][ray], -3);
+    }
+  }
+}
+
 // The colour of every ray is to be red and its depth 0.5.
 class RedWall : public TileObjective {
  public:
