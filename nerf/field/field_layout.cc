@@ -28,6 +28,18 @@ GridLevel MakeLevel(const double cells_per_unit,
   return level;
 }
 
+void InitializeLayer(const LayerLayout& layer,
+                     const float gain,
+                     Random* random,
+                     std::vector<float>* network) {
+  const float range = gain * std::sqrt(6.0f / layer.num_inputs);
+  for (int i = 0; i < layer.num_inputs * layer.num_outputs; ++i) {
+    (*network)[layer.weights + i] = range * (2 * random->NextFloat() - 1);
+  }
+}
+
+}  // namespace
+
 LayerLayout AddLayer(const int num_inputs,
                      const int num_outputs,
                      size_t* num_parameters) {
@@ -40,18 +52,6 @@ LayerLayout AddLayer(const int num_inputs,
   *num_parameters += num_outputs;
   return layer;
 }
-
-void InitializeLayer(const LayerLayout& layer,
-                     const float gain,
-                     Random* random,
-                     std::vector<float>* network) {
-  const float range = gain * std::sqrt(6.0f / layer.num_inputs);
-  for (int i = 0; i < layer.num_inputs * layer.num_outputs; ++i) {
-    (*network)[layer.weights + i] = range * (2 * random->NextFloat() - 1);
-  }
-}
-
-}  // namespace
 
 FieldLayout::FieldLayout(const FieldOptions& options,
                          const Eigen::Vector3f& extent) {

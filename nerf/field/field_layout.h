@@ -47,10 +47,13 @@ struct LayerLayout {
   size_t biases = 0;   // offset of b, num_outputs
 };
 
+// A layer whose parameters follow `*num_parameters` others, to which they are
+// added.
+LayerLayout AddLayer(int num_inputs, int num_outputs, size_t* num_parameters);
+
 // Shapes of the field's parameters: a hash grid (Mueller et al. 2022), a
 // density network encoding -> hidden -> geometry, a colour network geometry +
-// direction
-// -> hidden -> colour. Hidden layers are rectified.
+// direction -> hidden -> colour. Hidden layers are rectified.
 struct FieldLayout {
   // `extent`: size of the scene box in field coordinates, largest side 1.
   FieldLayout(const FieldOptions& options, const Eigen::Vector3f& extent);

@@ -8,14 +8,7 @@ namespace structnerf {
 
 MlpLayout::MlpLayout(const FieldOptions& options) {
   const auto add_layer = [&](const int num_inputs, const int num_outputs) {
-    LayerLayout layer;
-    layer.num_inputs = num_inputs;
-    layer.num_outputs = num_outputs;
-    layer.weights = num_parameters;
-    layer.biases =
-        layer.weights + static_cast<size_t>(num_inputs) * num_outputs;
-    num_parameters = layer.biases + num_outputs;
-    return layer;
+    return AddLayer(num_inputs, num_outputs, &num_parameters);
   };
   latent_size = options.latent_size;
   const int width = options.mlp_width;

@@ -1,7 +1,6 @@
 #include "nerf/losses/patch_loss.h"
 
 #include <algorithm>
-#include <stdexcept>
 
 // clang-format off
 #undef HWY_TARGET_INCLUDE
@@ -302,23 +301,9 @@ PatchLoss::PatchLoss(const Scene& scene,
                      const TrainingViews& views,
                      const std::vector<std::vector<int>>& sources,
                      const Options& options)
-    : views_(views), options_(options) {
-  for (const std::vector<int>& view_sources : sources) {
-    num_slots_ = std::max(num_slots_, static_cast<int>(view_sources.size()));
-  }
-  warps_.assign(sources.size() * num_slots_, ViewWarp{});
-  for (size_t v = 0; v < sources.size(); ++v) {
-    for (size_t s = 0; s < sources[v].size(); ++s) {
-      const int source = sources[v][s];
-      warps_[v * num_slots_ + s] =
-          MakeViewWarp(scene.views[v],
-                       scene.views[source],
-                       views.image(static_cast<int>(v)),
-                       views.image(source),
-                       frame.scale);
-    }
-  }
-}
+    : views_(views),
+      options_(options),
+      source_warps_(MakeSourceWarps(scene, frame, views, sources)) {}
 
 void PatchLoss::Evaluate(const int num_rays,
                          const int* view_idx,
@@ -328,19 +313,15 @@ void PatchLoss::Evaluate(const int num_rays,
                          float* loss,
                          float* d_depth,
                          int* num_valid) const {
-  constexpr int kMaxSlots = 32;
-  if (num_slots_ > kMaxSlots) {
-    throw std::invalid_argument("at most 32 source views per view");
-  }
-  float losses[kMaxSlots * 16];
-  float by_rho[kMaxSlots * 16];
-  int valid[kMaxSlots * 16];
+  float losses[kMaxSourceSlots * 16];
+  float by_rho[kMaxSourceSlots * 16];
+  int valid[kMaxSourceSlots * 16];
   const int step = static_cast<int>(HWY_DYNAMIC_DISPATCH(RaysPerVector)());
   for (int begin = 0; begin < num_rays; begin += step) {
     const int size = std::min(step, num_rays - begin);
     HWY_DYNAMIC_DISPATCH(CompareSources)
-    (warps_.data(),
-     num_slots_,
+    (source_warps_.warps.data(),
+     source_warps_.num_slots,
      views_,
      options_,
      size,
@@ -352,9 +333,9 @@ void PatchLoss::Evaluate(const int num_rays,
      by_rho,
      valid);
     for (int ray = 0; ray < size; ++ray) {
-      int order[kMaxSlots];
+      int order[kMaxSourceSlots];
       int count = 0;
-      for (int slot = 0; slot < num_slots_; ++slot) {
+      for (int slot = 0; slot < source_warps_.num_slots; ++slot) {
         if (valid[slot * 16 + ray]) {
           order[count++] = slot * 16 + ray;
         }

@@ -34,7 +34,7 @@ class PatchLoss {
     int num_best = 4;
   };
 
-  // `sources`: source views of each view, indices into the views.
+  // As MakeSourceWarps.
   PatchLoss(const Scene& scene,
             const SceneFrame& frame,
             const TrainingViews& views,
@@ -56,8 +56,7 @@ class PatchLoss {
  private:
   const TrainingViews& views_;
   const Options options_;
-  int num_slots_ = 0;            // source slots per view
-  std::vector<ViewWarp> warps_;  // views x num_slots_
+  const SourceWarps source_warps_;
 };
 
 }  // namespace structnerf

@@ -2,6 +2,10 @@
 
 #include "nerf/pixel_transfer.h"
 
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+
 namespace structnerf {
 
 ViewWarp MakeViewWarp(const View& view,
@@ -27,6 +31,34 @@ ViewWarp MakeViewWarp(const View& view,
   warp.first_pixel = static_cast<int32_t>(source_image.first_pixel);
   warp.stride = source_image.width;
   return warp;
+}
+
+SourceWarps MakeSourceWarps(const Scene& scene,
+                            const SceneFrame& frame,
+                            const TrainingViews& views,
+                            const std::vector<std::vector<int>>& sources) {
+  SourceWarps all;
+  for (const std::vector<int>& view_sources : sources) {
+    all.num_slots =
+        std::max(all.num_slots, static_cast<int>(view_sources.size()));
+  }
+  if (all.num_slots > kMaxSourceSlots) {
+    throw std::invalid_argument("at most " + std::to_string(kMaxSourceSlots) +
+                                " source views per view");
+  }
+  all.warps.assign(sources.size() * all.num_slots, ViewWarp{});
+  for (size_t v = 0; v < sources.size(); ++v) {
+    for (size_t s = 0; s < sources[v].size(); ++s) {
+      const int source = sources[v][s];
+      all.warps[v * all.num_slots + s] =
+          MakeViewWarp(scene.views[v],
+                       scene.views[source],
+                       views.image(static_cast<int>(v)),
+                       views.image(source),
+                       frame.scale);
+    }
+  }
+  return all;
 }
 
 }  // namespace structnerf

@@ -1,9 +1,11 @@
 #pragma once
 
 #include "nerf/scene.h"
+#include "nerf/scene_frame.h"
 #include "nerf/train/training_views.h"
 
 #include <cstdint>
+#include <vector>
 
 namespace structnerf {
 
@@ -29,5 +31,21 @@ ViewWarp MakeViewWarp(const View& view,
                       const TrainingViews::Image& image,
                       const TrainingViews::Image& source_image,
                       double scale);
+
+// Most source views per view.
+constexpr int kMaxSourceSlots = 32;
+
+// The warps of every view into its sources.
+struct SourceWarps {
+  int num_slots = 0;  // per view; a view may leave the last ones empty
+  std::vector<ViewWarp> warps;  // views x num_slots
+};
+
+// `sources`: source views of each view, indices into the views. Throws
+// std::invalid_argument if a view has more than kMaxSourceSlots.
+SourceWarps MakeSourceWarps(const Scene& scene,
+                            const SceneFrame& frame,
+                            const TrainingViews& views,
+                            const std::vector<std::vector<int>>& sources);
 
 }  // namespace structnerf

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 // clang-format off
 #undef HWY_TARGET_INCLUDE
@@ -18,9 +17,6 @@
 namespace structnerf {
 #ifndef NERF_STEREO_PATCH_MATCH_ONCE_
 #define NERF_STEREO_PATCH_MATCH_ONCE_
-
-// Most sources per view.
-constexpr int kMaxSlots = 32;
 
 // Rows worked on between two looks at whether to abort.
 constexpr int kRowsPerBatch = 64;
@@ -104,14 +100,14 @@ class PixelBlock {
     const D d;
     const DI di;
     const Planes planes = Load();
-    HWY_ALIGN float costs[kMaxSlots][16];
+    HWY_ALIGN float costs[kMaxSourceSlots][16];
     for (int slot = 0; slot < sweep_.num_slots; ++slot) {
       const PixelWarp warp = Warp(hn::Set(di, slot));
       hn::Store(
           SourceCost(sweep_.grays, warp, window_, planes), d, costs[slot]);
     }
     for (int i = 0; i < num_pixels_; ++i) {
-      int order[kMaxSlots];
+      int order[kMaxSourceSlots];
       for (int slot = 0; slot < sweep_.num_slots; ++slot) {
         order[slot] = slot;
       }
@@ -278,7 +274,7 @@ class PixelBlock {
   // all is as good as what has no texture: no reason to leave the seed for
   // another plane that does not match, either.
   V Cost(const Planes& planes, V* cost) {
-    V costs[kMaxSlots];
+    V costs[kMaxSourceSlots];
     for (int k = 0; k < sweep_.num_used_slots; ++k) {
       costs[k] = SourceCost(sweep_.grays, warps_[k], window_, planes);
     }
@@ -340,7 +336,7 @@ class PixelBlock {
   V y_;
   V seed_rho_;
   Window window_;
-  PixelWarp warps_[kMaxSlots];  // of the sources that are used
+  PixelWarp warps_[kMaxSourceSlots];  // of the sources that are used
   Planes best_;
   V best_cost_;
   V best_total_;
@@ -380,25 +376,9 @@ PatchMatch::PatchMatch(const Scene& scene,
                        const TrainingViews& views,
                        const std::vector<std::vector<int>>& sources,
                        const StereoOptions& options)
-    : views_(views), options_(options) {
-  for (const std::vector<int>& view_sources : sources) {
-    num_slots_ = std::max(num_slots_, static_cast<int>(view_sources.size()));
-  }
-  if (num_slots_ > kMaxSlots) {
-    throw std::invalid_argument("at most 32 source views per view");
-  }
-  warps_.assign(sources.size() * num_slots_, ViewWarp{});
-  for (size_t v = 0; v < sources.size(); ++v) {
-    for (size_t s = 0; s < sources[v].size(); ++s) {
-      warps_[v * num_slots_ + s] =
-          MakeViewWarp(scene.views[v],
-                       scene.views[sources[v][s]],
-                       views.image(static_cast<int>(v)),
-                       views.image(sources[v][s]),
-                       frame.scale);
-    }
-  }
-}
+    : views_(views),
+      options_(options),
+      source_warps_(MakeSourceWarps(scene, frame, views, sources)) {}
 
 void PatchMatch::Refine(const int view_idx,
                         ThreadPool* pool,
@@ -407,21 +387,23 @@ void PatchMatch::Refine(const int view_idx,
   const size_t num_pixels = static_cast<size_t>(maps->width) * maps->height;
   maps->cost.assign(num_pixels, 2.0f);
   maps->distinctness.assign(num_pixels, 0.0f);
-  if (num_slots_ == 0) {
+  const int num_slots = source_warps_.num_slots;
+  if (num_slots == 0) {
     return;
   }
   const std::vector<float> seed_rho = maps->rho;
   std::vector<float> total_cost(num_pixels, 0.0f);
   PatchMatchSweep sweep;
-  sweep.warps = warps_.data() + static_cast<size_t>(view_idx) * num_slots_;
-  sweep.num_slots = num_slots_;
+  sweep.warps =
+      source_warps_.warps.data() + static_cast<size_t>(view_idx) * num_slots;
+  sweep.num_slots = num_slots;
   sweep.grays = views_.Grays();
   sweep.first_pixel = views_.image(view_idx).first_pixel;
   sweep.options = &options_;
   sweep.seed_rho = seed_rho.data();
   sweep.maps = maps;
   sweep.total_cost = total_cost.data();
-  sweep.num_used_slots = std::min(num_slots_, options_.num_used_sources);
+  sweep.num_used_slots = std::min(num_slots, options_.num_used_sources);
   std::vector<int32_t> best_slots(num_pixels * sweep.num_used_slots);
   sweep.best_slots = best_slots.data();
   for (int iteration = -1; iteration <= options_.num_iterations; ++iteration) {

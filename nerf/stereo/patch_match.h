@@ -47,8 +47,7 @@ struct PlaneMaps {
 // the number of threads.
 class PatchMatch {
  public:
-  // `sources`: source views of each view, best first. Throws
-  // std::invalid_argument if a view has more than 32.
+  // `sources`: as MakeSourceWarps, best first.
   PatchMatch(const Scene& scene,
              const SceneFrame& frame,
              const TrainingViews& views,
@@ -67,8 +66,7 @@ class PatchMatch {
  private:
   const TrainingViews& views_;
   const StereoOptions options_;
-  int num_slots_ = 0;            // source slots per view
-  std::vector<ViewWarp> warps_;  // views x num_slots_
+  const SourceWarps source_warps_;
 };
 
 }  // namespace structnerf
