@@ -1,10 +1,12 @@
 #include "nerf/prior_module.h"
 
+#include "nerf/scene_guards.h"
 #include "nerf/script_module.h"
 #include "nerf/train/depth_prior.h"
 
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 namespace structnerf {
@@ -73,14 +75,14 @@ void PredictPriors(const std::string& module_path,
                    Scene* scene) {
   const torch::NoGradGuard no_grad;
   torch::jit::Module module = LoadScriptModule(module_path);
+  // Points that training will not believe are none for the module, either.
+  std::vector<SparsePoint> points = scene->points;
+  RemoveContradictoryPoints(scene);
   const std::vector<std::vector<DepthSample>> samples =
       CollectDepthSamples(*scene);
-  ProgressUpdate update;
-  update.stage = "Predicting depth";
-  for (size_t v = 0; v < scene->views.size(); ++v) {
-    if (progress->ShouldAbort()) {
-      throw Aborted();
-    }
+  scene->points = std::move(points);
+  const size_t num_views = scene->views.size();
+  for (size_t v = 0; v < num_views; ++v) {
     View& view = scene->views[v];
     try {
       PredictPrior(samples[v], &module, &view);
@@ -89,8 +91,7 @@ void PredictPriors(const std::string& module_path,
                                " makes of image " + view.name + " " +
                                FirstLine(error));
     }
-    update.fraction = static_cast<double>(v + 1) / scene->views.size();
-    progress->Report(update);
+    ReportItems("Predicting depth", v + 1, num_views, progress);
   }
 }
 

@@ -14,7 +14,8 @@ namespace structnerf {
 // The module's forward takes two float tensors of the size of the view's image,
 //   image         1 x 3 x height x width, RGB in [0, 1]
 //   sparse_depth  1 x 1 x height x width, z-depth of the sparse points that the
-//                 view sees, world units; 0 = none
+//                 view sees, world units; 0 = none. Without those that
+//                 RemoveContradictoryPoints would remove
 // and returns a tuple of two, depth and its standard deviation, each with
 // height x width numbers in world units. Where depth is not positive and finite
 // there is no prior; where the deviation is not, it is unknown and taken to be

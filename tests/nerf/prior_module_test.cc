@@ -67,6 +67,37 @@ TEST_F(PriorModuleTest, SeesImageAndSparsePoints) {
   EXPECT_NO_THROW(scene_.Check());
 }
 
+TEST_F(PriorModuleTest, DoesNotSeePointsThatTrainingRemoves) {
+  const std::string path =
+      SaveModule("return (1.0 + image[:, 0:1], 1.0 + sparse_depth)");
+  EXPECT_EQ(ErrorOf(path), "");
+  const std::vector<float> expected = scene_.views[0].prior_deviation;
+  SparsePoint wrong = scene_.points[0];
+  for (Observation& observation : wrong.track) {
+    observation.xy.x() += 20;
+  }
+  scene_.points.push_back(wrong);
+  const size_t num_points = scene_.points.size();
+  EXPECT_EQ(ErrorOf(path), "");
+  EXPECT_EQ(scene_.views[0].prior_deviation, expected);
+  EXPECT_EQ(scene_.points.size(), num_points);
+}
+
+// Aborts once it has been paused this often.
+class PausedProgress : public Progress {
+ public:
+  void BlockWhilePaused() override { ++num_pauses; }
+  bool ShouldAbort() override { return num_pauses == 2; }
+  int num_pauses = 0;
+};
+
+TEST_F(PriorModuleTest, PausesAndAbortsBetweenViews) {
+  const std::string path = SaveModule("return (image[:, 0:1], sparse_depth)");
+  PausedProgress progress;
+  EXPECT_THROW(PredictPriors(path, &progress, &scene_), Aborted);
+  EXPECT_EQ(progress.num_pauses, 2);
+}
+
 TEST_F(PriorModuleTest, NonsenseIsNoPrior) {
   EXPECT_EQ(ErrorOf(SaveModule("return (image[:, 0:1] - 2.0, sparse_depth)")),
             "");
