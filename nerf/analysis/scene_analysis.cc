@@ -116,18 +116,21 @@ SceneDecision ChooseTableSize(const Scene& scene,
 }
 
 SceneDecision DescribeSources(const Scene& scene, const LossOptions& loss) {
-  std::vector<std::set<int>> neighbors(scene.views.size());
+  const size_t num_views = scene.views.size();
+  std::vector<uint8_t> are_neighbors(num_views * num_views, 0);
   for (const SparsePoint& point : scene.points) {
     for (const Observation& observation : point.track) {
       for (const Observation& other : point.track) {
-        neighbors[observation.view_idx].insert(other.view_idx);
+        are_neighbors[observation.view_idx * num_views + other.view_idx] =
+            observation.view_idx != other.view_idx;
       }
     }
   }
   std::vector<double> counts;
-  for (const std::set<int>& of_view : neighbors) {
-    // A view that sees points is among its own neighbours.
-    counts.push_back(of_view.empty() ? 0.0 : of_view.size() - 1.0);
+  for (size_t v = 0; v < num_views; ++v) {
+    const auto of_view = are_neighbors.begin() + v * num_views;
+    counts.push_back(
+        static_cast<double>(std::count(of_view, of_view + num_views, 1)));
   }
   return {"source views",
           Text("up to %d a view", loss.num_sources),

@@ -74,7 +74,7 @@ void PlaneVotes::Count(
   for (int cell_row = 0; cell_row < lattice_.NumRows(); ++cell_row) {
     for (int cell_col = 0; cell_col < lattice_.NumCols(); ++cell_col) {
       const int32_t segment = SegmentOfCell(cell_col, cell_row);
-      if (segment < 0) {
+      if (segment < 0 || planes_[segment].empty()) {
         continue;
       }
       const int col = lattice_.CenterCol(cell_col);

@@ -110,14 +110,14 @@ class TrainingObjective::Tile : public TileObjective {
     PerRay<float> loss;
     PerRay<float> d_depth;
     PerRay<int> num_valid;
-    objective_.patch_loss_.Evaluate(drawn_.tile->num_rays,
-                                    drawn_.view_idx.data(),
-                                    drawn_.col.data(),
-                                    drawn_.row.data(),
-                                    outputs.depth.data(),
-                                    loss.data(),
-                                    d_depth.data(),
-                                    num_valid.data());
+    objective_.patch_loss_.Evaluate(end - begin,
+                                    drawn_.view_idx.data() + begin,
+                                    drawn_.col.data() + begin,
+                                    drawn_.row.data() + begin,
+                                    outputs.depth.data() + begin,
+                                    loss.data() + begin,
+                                    d_depth.data() + begin,
+                                    num_valid.data() + begin);
     double sum = 0;
     size_t num_compared = 0;
     for (int ray = begin; ray < end; ++ray) {
