@@ -11,7 +11,8 @@ namespace structnerf {
 //   "structnerf"  nothing
 //   "nerf"        colour only (Mildenhall et al. 2020)
 //   "dsnerf"      colour, and the squared error of the sparse points' depth to
-//                 the end of the training (Deng et al. 2022); set sparse_form
+//                 the end of the training (Deng et al. 2022), at the weight
+//                 that they have (the paper's comparison: 0.1); set sparse_form
 //                 to "kl" for its ray-termination form
 //   "dense_depth_prior"  colour, the likelihood of the views' depth priors, and
 //                 samples around these (Roessle et al. 2022)

@@ -246,7 +246,8 @@ struct ExtractionOptions {
   double max_relative_std = 0.5;
 
   // A view confirms a pixel if its own depth there agrees within this relative
-  // difference and the pixel comes back within so many pixels.
+  // difference and the pixel comes back within so many pixels of maps of 640
+  // pixels; in larger maps within more, in proportion.
   double max_relative_depth_error = 0.02;
   double max_reprojection_error = 2.0;
 

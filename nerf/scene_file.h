@@ -14,6 +14,7 @@ namespace structnerf {
 //   camera                    width, height (32-bit integers); fx, fy, cx, cy
 //   pose                      rotation row after row, translation
 //   image                     width, height; RGB bytes
+//   exposure                  gain and offset of R, G and B, 32-bit floats
 //   mask, segments            bytes; 32-bit integers
 //   prior depth, deviation    32-bit floats
 //   near depth, far depth     32-bit floats
