@@ -7,7 +7,8 @@ source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
 output=${1:-structnerf_demo}
 [ ! -e "$output" ] || die "$output exists already; give another folder"
-build_project release colmap-structnerf structnerf_make_room
+# All that is installed, and the room.
+build_project release colmap-structnerf structnerf_train structnerf_make_room
 mkdir -p "$output"
 say "generating a room with known depth in $output/room"
 "$build_dir/tests/tools/structnerf_make_room" "$output/room"
