@@ -29,11 +29,12 @@ function(structnerf_library name)
   structnerf_compile_options(${name})
 endfunction()
 
-# structnerf_test(x_test.cc libraries... [LAUNCHER command...]): a GoogleTest
-# program whose ctest name is its path below tests/ without the suffix. The
-# launcher is a command that runs the program given behind it.
+# structnerf_test(x_test.cc libraries... [LAUNCHER command...] [CASES name...]): a
+# GoogleTest program whose ctest name is its path below tests/ without the
+# suffix. The launcher is a command that runs the program given behind it. With
+# cases, each is a ctest of its own, which runs the tests whose names end in it.
 function(structnerf_test source)
-  cmake_parse_arguments(arg "" "" "LAUNCHER" ${ARGN})
+  cmake_parse_arguments(arg "" "" "LAUNCHER;CASES" ${ARGN})
   cmake_path(ABSOLUTE_PATH source BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR})
   file(RELATIVE_PATH name ${PROJECT_SOURCE_DIR}/tests ${source})
   string(REGEX REPLACE "\\.cc$" "" name ${name})
@@ -41,5 +42,11 @@ function(structnerf_test source)
   add_executable(${target} ${source})
   target_link_libraries(${target} PRIVATE ${arg_UNPARSED_ARGUMENTS} GTest::gtest_main GTest::gmock)
   structnerf_compile_options(${target})
-  add_test(NAME ${name} COMMAND ${arg_LAUNCHER} $<TARGET_FILE:${target}>)
+  foreach(case ${arg_CASES})
+    add_test(NAME ${name}/${case} COMMAND ${arg_LAUNCHER}
+      $<TARGET_FILE:${target}> --gtest_filter=*${case})
+  endforeach()
+  if(NOT arg_CASES)
+    add_test(NAME ${name} COMMAND ${arg_LAUNCHER} $<TARGET_FILE:${target}>)
+  endif()
 endfunction()

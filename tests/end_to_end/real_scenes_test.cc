@@ -19,7 +19,8 @@ struct RealScene {
   const char* name;
 
   // Share of all pixels with ground truth whose depth, in SfM scale, must be
-  // within 5 cm.
+  // within 5 cm: more than quality low has, which neither matches nor completes
+  // planes.
   double min_share_within_5cm;
 };
 
@@ -68,8 +69,8 @@ TEST_P(RealSceneTest, DepthIsGoodAtDefaultQuality) {
 
 INSTANTIATE_TEST_SUITE_P(Scenes,
                          RealSceneTest,
-                         testing::Values(RealScene{"redkitchen", 0.50},
-                                         RealScene{"hololens_dining", 0.25}),
+                         testing::Values(RealScene{"redkitchen", 0.62},
+                                         RealScene{"hololens_dining", 0.40}),
                          [](const auto& info) {
                            return std::string(info.param.name);
                          });

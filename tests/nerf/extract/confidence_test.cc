@@ -26,6 +26,23 @@ std::vector<float> ConstantAngle(const float angle) {
   return std::vector<float>(kWidth * kHeight, angle);
 }
 
+// A flat pixel that a view confirms under ten degrees, and one at a slope of 3
+// that one confirms under three, as the fit to two rooms has them.
+TEST(EstimateConfidence, IsWhatWasFitted) {
+  const PinholeCamera camera = MakeCamera(kWidth, kHeight, 50);
+  DenseMaps maps = ConstantDepth(2);
+  const size_t pixel = 15 * kWidth + 20;
+  EXPECT_NEAR(
+      EstimateConfidence(camera, maps, ConstantAngle(10))[pixel], 0.863, 0.001);
+  for (int row = 0; row < kHeight; ++row) {
+    for (int col = 0; col < kWidth; ++col) {
+      maps.depth[row * kWidth + col] += 0.12f * (col - 20);
+    }
+  }
+  EXPECT_NEAR(
+      EstimateConfidence(camera, maps, ConstantAngle(3))[pixel], 0.464, 0.001);
+}
+
 TEST(EstimateConfidence, GrowsWithTheAngle) {
   const PinholeCamera camera = MakeCamera(kWidth, kHeight, 50);
   const DenseMaps maps = ConstantDepth(2);
