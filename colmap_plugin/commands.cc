@@ -266,6 +266,17 @@ const std::vector<Command>& Commands() {
   return commands;
 }
 
+bool AreDenseOptions(const std::vector<std::string>& options) {
+  std::vector<std::string> args = {"structnerf_dense"};
+  args.insert(args.end(), options.begin(), options.end());
+  args = ExpandCommandLine(args, {}, kFlags);
+  DenseCommand command;
+  return ParseOptionsOfQuality(
+      args,
+      FindOption(args, "StructNeRF.quality", StructNerfOptions().quality),
+      &command);
+}
+
 int RunStructNerfDense(const int argc, char** argv) {
   return RunReportingErrors([&]() {
     DenseCommand command;

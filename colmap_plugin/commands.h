@@ -20,6 +20,10 @@ const std::vector<Command>& Commands();
 // Depth and normal maps and a fused cloud from a sparse model.
 int RunStructNerfDense(int argc, char** argv);
 
+// Whether the dense stage takes these options; says what is wrong, or throws
+// std::runtime_error with it, if not.
+bool AreDenseOptions(const std::vector<std::string>& options);
+
 // Depth, cloud and rendered images of a workspace against ground truth.
 int RunStructNerfEval(int argc, char** argv);
 

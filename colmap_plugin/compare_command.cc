@@ -6,10 +6,14 @@
 #include "colmap_plugin/truth_arguments.h"
 
 #include <cstdlib>
+#include <filesystem>
 #include <iostream>
+#include <stdexcept>
 
 namespace structnerf {
 namespace {
+
+namespace fs = std::filesystem;
 
 struct CompareCommand {
   ComparisonOptions options;
@@ -69,6 +73,12 @@ int RunStructNerfCompare(const int argc, char** argv) {
     command.options.Check();
     RequireOptions({{"output_path", command.output_path}},
                    "the folder for the page");
+    if (fs::exists(command.output_path) &&
+        !fs::is_directory(command.output_path)) {
+      throw std::runtime_error("The option --output_path is " +
+                               command.output_path +
+                               ", but that is no folder; give another name.");
+    }
     Comparison comparison;
     std::string page_path;
     RunWithProgress([&](RunProgress* progress) {

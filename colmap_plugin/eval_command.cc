@@ -3,6 +3,7 @@
 #include "colmap_plugin/commands.h"
 #include "colmap_plugin/evaluation/evaluation_report.h"
 #include "colmap_plugin/evaluation/evaluator.h"
+#include "colmap_plugin/input_check.h"
 #include "colmap_plugin/text_output.h"
 #include "colmap_plugin/truth_arguments.h"
 
@@ -63,6 +64,9 @@ int RunStructNerfEval(const int argc, char** argv) {
       return EXIT_FAILURE;
     }
     command.options.Check();
+    if (!command.output_path.empty()) {
+      CheckOutputFile("output_path", command.output_path);
+    }
     Evaluation evaluation;
     RunWithProgress([&](RunProgress* progress) {
       evaluation = Evaluate(command.options, progress);

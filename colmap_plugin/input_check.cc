@@ -176,19 +176,28 @@ void CheckOutput(const StructNerfOptions& options,
   }
 }
 
+void CheckOutputFile(const std::string& option, const std::string& path) {
+  const std::string prefix =
+      "The option --" + option + " is " + path + ", but ";
+  if (!fs::is_directory(fs::absolute(path).parent_path())) {
+    throw std::runtime_error(prefix + "that folder does not exist; create it.");
+  }
+  if (fs::is_directory(path)) {
+    throw std::runtime_error(prefix +
+                             "that is a folder; give the name of a file.");
+  }
+}
+
 void CheckExport(const std::string& export_path) {
   if (export_path.empty()) {
     return;
   }
-  const std::string prefix =
-      "The option --StructNeRF.export_path is " + export_path + ", but ";
-  if (!fs::is_directory(fs::absolute(export_path).parent_path())) {
-    throw std::runtime_error(prefix + "that folder does not exist; create it.");
-  }
+  CheckOutputFile("StructNeRF.export_path", export_path);
   if (fs::exists(export_path) && !IsSceneFile(export_path)) {
-    throw std::runtime_error(prefix +
-                             "there is something that is not a scene; give "
-                             "another name.");
+    throw std::runtime_error("The option --StructNeRF.export_path is " +
+                             export_path +
+                             ", but there is something that is not a scene; "
+                             "give another name.");
   }
 }
 

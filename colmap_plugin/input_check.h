@@ -37,6 +37,10 @@ void CheckMasks(const colmap::Reconstruction& reconstruction,
 void CheckOutput(const StructNerfOptions& options,
                  const std::vector<std::string>& image_names);
 
+// The file that results shall be written to is in a folder that exists, and is
+// no folder itself. `option`: that names it.
+void CheckOutputFile(const std::string& option, const std::string& path);
+
 // The file that the scene shall be written to is in a folder that exists, and
 // is a scene if it exists itself. Empty = none is written.
 void CheckExport(const std::string& export_path);

@@ -11,6 +11,7 @@ namespace structnerf {
 namespace {
 
 constexpr double kMaxMinutes = 1e6;
+constexpr double kMaxMemoryGb = 1e6;
 
 std::string ValueText(const OptionValue& value) {
   if (const bool* flag = std::get_if<bool>(&value)) {
@@ -132,6 +133,16 @@ void CheckOptions(const StructNerfOptions& options) {
                                FormatNumber("%g", kMaxMinutes) + ", but is " +
                                FormatNumber("%g", minutes) + ".");
     }
+  }
+  const double max_memory_gb = options.max_memory_gb;
+  if (max_memory_gb != -1 &&
+      !(max_memory_gb > 0 && max_memory_gb <= kMaxMemoryGb)) {
+    throw std::runtime_error(
+        "The option --StructNeRF.max_memory_gb must be more than 0 and at "
+        "most " +
+        FormatNumber("%g", kMaxMemoryGb) +
+        ", or -1 for three quarters of the machine's, but is " +
+        FormatNumber("%g", max_memory_gb) + ".");
   }
   for (const auto& [name, type] :
        {std::pair("input_type", options.input_type),

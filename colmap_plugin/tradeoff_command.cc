@@ -95,6 +95,9 @@ int RunStructNerfTradeoff(const int argc, char** argv) {
     CheckCommand(command);
     std::vector<MeasuredSetting> settings;
     for (TradeoffSetting& setting : ParseTradeoffSettings(command.settings)) {
+      if (!AreDenseOptions(setting.arguments)) {
+        return EXIT_FAILURE;
+      }
       settings.push_back({std::move(setting), {}});
     }
     PrepareScene(&command.scene);

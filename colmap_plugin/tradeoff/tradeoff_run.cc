@@ -141,7 +141,8 @@ void Run(const TradeoffScene& scene,
       0) {
     throw std::runtime_error("The run with " + setting.name +
                              " did not end well; what was measured before is "
-                             "kept, and the same command goes on from there.");
+                             "kept. Once what it says is mended, the same "
+                             "command goes on from there.");
   }
 }
 
@@ -149,6 +150,11 @@ void Run(const TradeoffScene& scene,
 
 void PrepareScene(TradeoffScene* scene) {
   const colmap::Reconstruction model = ReadModel(scene->input_path);
+  CheckModel(model);
+  CheckImages(model, scene->image_path);
+  if (!scene->mask_path.empty()) {
+    CheckMasks(model, scene->mask_path);
+  }
   scene->fingerprint = InputFingerprint(
       model, fs::absolute(scene->image_path).string(), scene->mask_path);
   if (!scene->truth.path.empty()) {

@@ -185,7 +185,19 @@ TEST_F(InputCheckTest, SceneIsExportedBesideNothingElse) {
               HasSubstr("that folder does not exist"));
   std::ofstream(temp_dir_ / "a.jpg") << "a photograph";
   EXPECT_THAT(error_of(temp_dir_ / "a.jpg"), HasSubstr("not a scene"));
-  EXPECT_THAT(error_of(temp_dir_.Path()), HasSubstr("not a scene"));
+  EXPECT_THAT(error_of(temp_dir_.Path()), HasSubstr("that is a folder"));
+}
+
+TEST_F(InputCheckTest, ResultsAreWrittenIntoAFolderThatExists) {
+  const auto error_of = [](const std::string& path) {
+    return ErrorOf([&]() { CheckOutputFile("output_path", path); });
+  };
+  EXPECT_EQ(error_of("eval.json"), "");
+  EXPECT_EQ(error_of(temp_dir_ / "eval.json"), "");
+  EXPECT_THAT(
+      error_of(temp_dir_ / "none/eval.json"),
+      testing::AllOf(HasSubstr("--output_path"), HasSubstr("does not exist")));
+  EXPECT_THAT(error_of(temp_dir_.Path()), HasSubstr("that is a folder"));
 }
 
 }  // namespace

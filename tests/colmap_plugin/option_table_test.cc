@@ -61,6 +61,18 @@ TEST(OptionTable, CheckpointMinutesHaveARange) {
   EXPECT_EQ(CheckError(options), "");
 }
 
+TEST(OptionTable, MemoryIsAmountOrMinusOne) {
+  StructNerfOptions options;
+  for (const double amount : {-1.0, 1e-3, 1e6}) {
+    options.max_memory_gb = amount;
+    EXPECT_EQ(CheckError(options), "") << amount;
+  }
+  for (const double amount : {-5.0, 0.0, 1e30, HUGE_VAL, std::nan("")}) {
+    options.max_memory_gb = amount;
+    EXPECT_THAT(CheckError(options), HasSubstr("max_memory_gb")) << amount;
+  }
+}
+
 TEST(OptionTable, AllPresetsAreInRange) {
   for (const std::string quality :
        {"low", "medium", "high", "extreme", "paper"}) {

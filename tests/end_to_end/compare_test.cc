@@ -100,6 +100,9 @@ TEST_F(CompareTest, OneLineForBadInputAndNothingWritten) {
   expect_error({model_only, temp_dir_ / "none", "--output_path", Page()},
                "does not exist");
   expect_error({model_only, model_only}, "--output_path is missing");
+  std::ofstream(temp_dir_ / "file") << "no folder";
+  expect_error({model_only, model_only, "--output_path", temp_dir_ / "file"},
+               "that is no folder");
   expect_error({model_only, model_only, "--output_path", Page()},
                "has no depth maps; run patch_match_stereo");
 }

@@ -79,13 +79,30 @@ TEST_F(TradeoffTest, MeasuresEverySettingOnce) {
 }
 
 TEST_F(TradeoffTest, ARunThatFailsIsNamed) {
-  const ProgramResult result = Run("quality=low num_steps=20, quality=best");
+  const ProgramResult result =
+      Run("quality=low num_steps=20, quality=low max_memory_gb=0.001");
   EXPECT_NE(result.exit_code, 0);
-  EXPECT_THAT(result.error, HasSubstr("quality must be low"));
-  EXPECT_THAT(result.error, HasSubstr("The run with quality=best"));
+  EXPECT_THAT(result.error, HasSubstr("raise --StructNeRF.max_memory_gb"));
+  EXPECT_THAT(result.error,
+              HasSubstr("The run with quality=low max_memory_gb=0.001"));
   EXPECT_TRUE(fs::exists(
       temp_dir_ /
       "tradeoff/runs/quality=low+num_steps=20/seed0/measurement.json"));
+}
+
+TEST_F(TradeoffTest, WhatIsWrongIsSaidBeforeAnythingIsRun) {
+  const auto expect_error = [&](const ProgramResult& result,
+                                const std::string& text) {
+    EXPECT_NE(result.exit_code, 0);
+    EXPECT_THAT(result.error, HasSubstr(text));
+    EXPECT_FALSE(fs::exists(temp_dir_ / "tradeoff"));
+  };
+  expect_error(Run("quality=low num_steps=20, quality=best"),
+               "quality must be low");
+  expect_error(Run("quality=low num_steps=20, num_stepz=3"), "num_stepz");
+  expect_error(Run("quality=low num_steps=0"), "num_steps must be");
+  fs::remove(temp_dir_ / "images/0.png");
+  expect_error(Run("quality=low num_steps=20"), "0.png");
 }
 
 TEST_F(TradeoffTest, MissingPathsAreNamed) {
