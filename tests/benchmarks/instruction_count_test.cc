@@ -29,10 +29,9 @@ TEST(InstructionCount, TrainingStepCostsWhatItDid) {
   const TempDir folder;
   const std::string counts = folder / "counts";
   const std::string command =
-      std::string(STRUCTNERF_VALGRIND) +
-      " --tool=callgrind --callgrind-out-file=" + counts +
-      " --toggle-collect='structnerf::MeasuredSteps*' " +
-      STRUCTNERF_FIXED_STEP + " > " + (folder / "log") + " 2>&1";
+      "'" STRUCTNERF_VALGRIND "' --tool=callgrind --callgrind-out-file='" +
+      counts + "' --toggle-collect='structnerf::MeasuredSteps*' '" +
+      STRUCTNERF_FIXED_STEP "' > '" + (folder / "log") + "' 2>&1";
   ASSERT_EQ(std::system(command.c_str()), 0) << command;
   std::ifstream file(counts);
   std::string word;

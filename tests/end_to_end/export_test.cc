@@ -35,8 +35,8 @@ TEST_F(ExportTest, TrainingElsewhereGivesTheSameMaps) {
   ExpectResult(command);
 
   const std::string maps_path = temp_dir_ / "maps";
-  const std::string train = std::string(STRUCTNERF_TRAIN) + " --scene_path " +
-                            scene_path + " --output_path " + maps_path +
+  const std::string train = "'" STRUCTNERF_TRAIN "' --scene_path '" +
+                            scene_path + "' --output_path '" + maps_path + "'" +
                             MethodArguments(command);
   ASSERT_EQ(std::system((train + " 2> /dev/null").c_str()), 0) << train;
   const auto maps = ReadFolder(maps_path);

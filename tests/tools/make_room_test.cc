@@ -24,7 +24,7 @@ class MakeRoom : public testing::Test {
   int Run(const std::string& arguments) {
     const std::string log = dir_ / "log";
     const std::string command =
-        std::string(MAKE_ROOM_PROGRAM) + " " + arguments + " >" + log + " 2>&1";
+        "'" MAKE_ROOM_PROGRAM "' " + arguments + " >'" + log + "' 2>&1";
     const int status = std::system(command.c_str());
     std::ifstream file(log);
     output_.assign(std::istreambuf_iterator<char>(file), {});

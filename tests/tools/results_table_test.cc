@@ -31,8 +31,9 @@ class ResultsTableTest : public testing::Test {
   // What was printed.
   std::string Run(const bool should_succeed) {
     const std::string log = dir_ / "log";
-    const std::string command = std::string(RESULTS_TABLE_PROGRAM) + " " +
-                                dir_ / "runs" + " nerf full >" + log + " 2>&1";
+    const std::string command = "'" RESULTS_TABLE_PROGRAM "' '" +
+                                dir_ / "runs" + "' nerf full >'" + log +
+                                "' 2>&1";
     EXPECT_EQ(std::system(command.c_str()) == 0, should_succeed);
     std::ifstream file(log);
     return {std::istreambuf_iterator<char>(file), {}};

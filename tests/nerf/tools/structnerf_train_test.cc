@@ -54,9 +54,10 @@ class StructnerfTrainTest : public testing::Test {
   // Returns the exit code; what was printed is in `output_`.
   int Run(const std::string& arguments) {
     const std::string log = folder_ / "log";
-    const std::string command =
-        std::string(TRAIN_PROGRAM) + " --scene_path=" + folder_ / "scene.bin" +
-        " --output_path=" + MapsPath() + " " + arguments + " >" + log + " 2>&1";
+    const std::string command = "'" TRAIN_PROGRAM "' --scene_path='" +
+                                folder_ / "scene.bin" + "' --output_path='" +
+                                MapsPath() + "' " + arguments + " >'" + log +
+                                "' 2>&1";
     const int status = std::system(command.c_str());
     std::ifstream file(log);
     output_.assign(std::istreambuf_iterator<char>(file), {});
@@ -200,10 +201,9 @@ TEST_F(StructnerfTrainTest, FoldersAreNotReplaced) {
 TEST_F(StructnerfTrainTest, HelpListsOptions) {
   EXPECT_EQ(Run("--StructNeRF.no_such_option=1"), EXIT_FAILURE);
   EXPECT_THAT(output_, HasSubstr("--help"));
-  EXPECT_EQ(std::system((std::string(TRAIN_PROGRAM) + " --help | grep -q "
-                                                      "StructNeRF.num_steps")
-                            .c_str()),
-            0);
+  EXPECT_EQ(
+      std::system("'" TRAIN_PROGRAM "' --help | grep -q StructNeRF.num_steps"),
+      0);
 }
 
 }  // namespace
