@@ -214,18 +214,14 @@ ReconstructionOptions QualityPreset(const std::string& quality) {
     options.loss.patch_dilation = 3;
     options.sampling.num_samples = 32;
     options.stereo.num_iterations = 4;
-  } else if (quality == "high") {
+  } else if (quality == "high" || quality == "extreme") {
+    // What extreme spends, it spends on more pixels: neither more samples nor
+    // more sweeps nor more steps gain anything (nerf/EXPERIMENTS.md).
     options.training.num_steps = 6000;
-    options.training.max_image_size = 640;
+    options.training.max_image_size = quality == "high" ? 640 : 1600;
     options.loss.patch_dilation = 6;
     options.sampling.num_samples = 32;
     options.stereo.num_iterations = 4;
-  } else if (quality == "extreme") {
-    options.training.num_steps = 6000;
-    options.training.max_image_size = 1024;
-    options.loss.patch_dilation = 6;
-    options.sampling.num_samples = 48;
-    options.stereo.num_iterations = 6;
   } else if (quality == "paper") {
     options.field.type = "mlp";
     options.sampling.num_samples = 64;

@@ -74,7 +74,7 @@ void Register(const std::string& name,
 void RegisterRenderingBenchmarks() {
   for (const int num_threads : {1, 2}) {
     const std::string threads = "/threads:" + std::to_string(num_threads);
-    for (const std::string quality : {"low", "medium", "high", "extreme"}) {
+    for (const std::string quality : {"low", "medium", "high"}) {
       Register("forward/" + quality + threads,
                PresetEngineOptions(quality, num_threads),
                /*is_view=*/false,

@@ -126,7 +126,7 @@ void Register(const std::string& name,
 
 void RegisterTrainingBenchmarks() {
   for (const int num_threads : {1, 2}) {
-    for (const std::string quality : {"low", "medium", "high", "extreme"}) {
+    for (const std::string quality : {"low", "medium", "high"}) {
       Register("train/" + quality + "/threads:" + std::to_string(num_threads),
                PresetEngineOptions(quality, num_threads),
                kNumRays);
