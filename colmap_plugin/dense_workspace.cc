@@ -19,6 +19,10 @@ namespace fs = std::filesystem;
 constexpr const char* kStereoFolders[] = {
     "depth_maps", "normal_maps", "consistency_graphs"};
 
+// In the folder "stereo".
+constexpr const char* kPatchMatchConfig = "patch-match.cfg";
+constexpr const char* kFusionConfig = "fusion.cfg";
+
 // In the report folder.
 constexpr const char* kConfidenceFolder = "confidence";
 
@@ -243,11 +247,22 @@ void DenseWorkspace::WriteConfigs(
     }
     patch_match << "\n";
   }
-  const fs::path stereo_path = fs::path(path_) / "stereo";
-  WriteWholeFile((stereo_path / "patch-match.cfg").string(),
+  WriteWholeFile(ConfigPath(kPatchMatchConfig),
                  [&](std::ostream* stream) { *stream << patch_match.str(); });
-  WriteWholeFile((stereo_path / "fusion.cfg").string(),
+  WriteWholeFile(ConfigPath(kFusionConfig),
                  [&](std::ostream* stream) { *stream << fusion.str(); });
+}
+
+void DenseWorkspace::RemoveConfigsThatAreIn(const DenseWorkspace& other) const {
+  for (const char* const name : {kPatchMatchConfig, kFusionConfig}) {
+    if (fs::exists(other.ConfigPath(name))) {
+      fs::remove(ConfigPath(name));
+    }
+  }
+}
+
+std::string DenseWorkspace::ConfigPath(const std::string& name) const {
+  return (fs::path(path_) / "stereo" / name).string();
 }
 
 }  // namespace structnerf

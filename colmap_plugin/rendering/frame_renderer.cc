@@ -172,10 +172,13 @@ void RenderOptions::Check() const {
         "The options --orbit_radius and --depth_scale must be positive, "
         "--max_image_size must not be negative.");
   }
-  if (!overwrite && fs::exists(fs::path(output_path) / "color")) {
-    throw std::runtime_error("The folder " + output_path +
-                             " has frames already; choose another one or pass "
-                             "--overwrite.");
+  for (const char* const folder :
+       {kColorFolder, kDepthFolder, kDepthColorFolder, kNormalFolder}) {
+    if (!overwrite && fs::exists(fs::path(output_path) / folder)) {
+      throw std::runtime_error(
+          "The folder " + output_path + " has frames, or other files, in " +
+          folder + " already; choose another one or pass --overwrite.");
+    }
   }
 }
 

@@ -53,12 +53,12 @@ size_t WriteFrame(const RenderedView& view,
 
   const fs::path path(folder);
   const std::string file_name = name + ".png";
-  WriteImage(path / "color" / file_name, ColorImage(view));
-  WriteImage(path / "depth" / file_name, depth_levels);
-  WriteImage(path / "depth_color" / file_name,
+  WriteImage(path / kColorFolder / file_name, ColorImage(view));
+  WriteImage(path / kDepthFolder / file_name, depth_levels);
+  WriteImage(path / kDepthColorFolder / file_name,
              DepthPicture(
                  DepthOf(view), options.nearest_depth, options.farthest_depth));
-  WriteImage(path / "normal" / file_name,
+  WriteImage(path / kNormalFolder / file_name,
              NormalPicture(view.normal, view.width, view.height));
   return cv::countNonZero(too_deep);
 }

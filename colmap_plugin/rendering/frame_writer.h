@@ -7,6 +7,12 @@
 
 namespace structnerf {
 
+// The folders of a frame's four images.
+constexpr const char* kColorFolder = "color";
+constexpr const char* kDepthFolder = "depth";
+constexpr const char* kDepthColorFolder = "depth_color";
+constexpr const char* kNormalFolder = "normal";
+
 struct FrameOptions {
   // Value of the 16-bit depth images for one unit of the model.
   double depth_scale = 1000;

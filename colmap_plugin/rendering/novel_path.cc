@@ -155,8 +155,11 @@ double MedianPointDepth(const Scene& scene, const size_t view_idx) {
   }
   std::vector<double>& depths = observed.empty() ? all : observed;
   if (depths.empty()) {
-    throw std::invalid_argument("no sparse point lies before view " +
-                                scene.views[view_idx].name);
+    throw std::invalid_argument(
+        "The model has no sparse point before image " +
+        scene.views[view_idx].name +
+        ", so there is nothing to go around; choose --path input, or give "
+        "poses with --poses_path.");
   }
   return Median(&depths);
 }

@@ -175,6 +175,20 @@ TEST_F(DenseWorkspaceTest, ConfigsListSourcesByName) {
             "a.jpg\nsub/b.jpg\nc.jpg\n");
 }
 
+TEST_F(DenseWorkspaceTest, ConfigsOfAnotherWorkspaceAreLeftToIt) {
+  workspace_.CreateFolders({"a.jpg"});
+  workspace_.WriteConfigs({"a.jpg", "b.jpg"}, {{1}, {0}});
+  const DenseWorkspace other(temp_dir_ / "other");
+  workspace_.RemoveConfigsThatAreIn(other);
+  EXPECT_TRUE(std::filesystem::exists(temp_dir_ / "dense/stereo/fusion.cfg"));
+  std::filesystem::create_directories(temp_dir_ / "other/stereo");
+  std::ofstream(temp_dir_ / "other/stereo/fusion.cfg") << "a.jpg";
+  workspace_.RemoveConfigsThatAreIn(other);
+  EXPECT_FALSE(std::filesystem::exists(temp_dir_ / "dense/stereo/fusion.cfg"));
+  EXPECT_TRUE(
+      std::filesystem::exists(temp_dir_ / "dense/stereo/patch-match.cfg"));
+}
+
 TEST_F(DenseWorkspaceTest, CommaInNameLeavesSourcesToColmap) {
   workspace_.CreateFolders({"a.jpg"});
   workspace_.WriteConfigs({"a,1.jpg", "b.jpg"}, {{1}, {0}});

@@ -144,8 +144,11 @@ TEST_F(RenderTest, KeepsFramesUnlessTold) {
   std::ofstream(*temp_dir_ / "kept/color/frame_0000.png") << "mine";
   const std::vector<std::string> arguments = {"--num_frames=2",
                                               "--max_image_size=30"};
-  EXPECT_THAT(Render("kept", arguments).error, HasSubstr("has frames already"));
+  EXPECT_THAT(Render("kept", arguments).error, HasSubstr("in color already"));
   EXPECT_EQ(fs::file_size(*temp_dir_ / "kept/color/frame_0000.png"), 4);
+  // Ground truth may lie in a folder of that name.
+  fs::create_directories(*temp_dir_ / "scene/depth");
+  EXPECT_THAT(Render("scene", arguments).error, HasSubstr("in depth already"));
   std::vector<std::string> replacing = arguments;
   replacing.push_back("--overwrite");
   EXPECT_EQ(Render("kept", replacing).exit_code, 0);
