@@ -5,6 +5,7 @@
 #include "colmap_plugin/evaluation/workspace_maps.h"
 #include "colmap_plugin/input_check.h"
 #include "nerf/extract/confidence.h"
+#include "nerf/util/median.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -15,6 +16,9 @@ namespace structnerf {
 namespace {
 
 namespace fs = std::filesystem;
+
+// Of cameras of one model in two copies, relative to the distance between them.
+constexpr double kMaxFrameDifference = 0.01;
 
 // Runs one part after another and keeps the progress.
 class Evaluator {
@@ -66,6 +70,36 @@ class Evaluator {
     return text;
   }
 
+  // The scale is that of the original model's points.
+  void RequireSameFrame() const {
+    std::vector<double> distances;
+    std::vector<double> differences;
+    const std::vector<std::string> names = ImageNames(original_model_);
+    const colmap::Image* const first =
+        names.empty() ? nullptr
+                      : original_model_.FindImageWithName(names.front());
+    for (const std::string& name : names) {
+      const colmap::Image* const there =
+          workspace_model_.FindImageWithName(name);
+      if (there != nullptr) {
+        const Eigen::Vector3d center =
+            original_model_.FindImageWithName(name)->ProjectionCenter();
+        distances.push_back((center - first->ProjectionCenter()).norm());
+        differences.push_back((center - there->ProjectionCenter()).norm());
+      }
+    }
+    if (!distances.empty() &&
+        Median(&differences) > kMaxFrameDifference * Median(&distances)) {
+      throw std::runtime_error(
+          "The model " + evaluation_.options.input_path +
+          " (--input_path) is not the one that the workspace " +
+          evaluation_.options.workspace_path +
+          " was made from: its cameras stand elsewhere. Give that one, or "
+          "leave out --input_path and --image_path if the ground truth belongs "
+          "to the undistorted images.");
+    }
+  }
+
   void LoadTruth() {
     const EvaluationOptions& options = evaluation_.options;
     if (options.truth.path.empty()) {
@@ -77,6 +111,7 @@ class Evaluator {
     StageProgress stage("Reading ground truth", progress_);
     if (!options.input_path.empty()) {
       original_model_ = ReadModel(options.input_path);
+      RequireSameFrame();
     }
     truth_ = std::make_unique<TruthViews>(
         options.input_path.empty() ? workspace_model_ : original_model_,

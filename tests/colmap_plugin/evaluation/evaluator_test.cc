@@ -71,6 +71,27 @@ class EvaluatorTest : public testing::Test {
   RunProgress progress_;
 };
 
+// Whose unit is another one.
+TEST_F(EvaluatorTest, AnotherModelIsRefused) {
+  WriteMaps("0.png", 4);
+  TinyModel model = MakeTinyModel(3);
+  model.WriteModel(temp_dir_ / "same");
+  model.WriteImages(temp_dir_ / "images");
+  options_.image_path = temp_dir_ / "images";
+  options_.input_path = temp_dir_ / "same";
+  EXPECT_EQ(Error(), "");
+  for (TinyModel::Image& image : model.images) {
+    image.x *= 10;
+  }
+  for (Eigen::Vector3d& point : model.points) {
+    point *= 10;
+  }
+  model.WriteModel(temp_dir_ / "other");
+  options_.input_path = temp_dir_ / "other";
+  EXPECT_THAT(Error(), HasSubstr("is not the one that the workspace"));
+  EXPECT_THAT(Error(), HasSubstr("--input_path"));
+}
+
 TEST_F(EvaluatorTest, TheTruthHasNoError) {
   for (const char* name : {"0.png", "1.png", "2.png"}) {
     WriteMaps(name, 4);
