@@ -39,6 +39,16 @@ fs::path RunFolder(const TradeoffScene& scene,
          ("seed" + std::to_string(seed));
 }
 
+// The same for any way to write it; empty stays empty.
+std::string CanonicalPath(const std::string& path) {
+  if (path.empty()) {
+    return "";
+  }
+  const fs::path canonical = fs::weakly_canonical(path);
+  return (canonical.has_filename() ? canonical : canonical.parent_path())
+      .string();
+}
+
 json ReadJson(const fs::path& path) {
   std::ifstream file(path);
   try {
@@ -53,8 +63,8 @@ json ReadJson(const fs::path& path) {
 // What a measurement, or a run that has not been measured yet, belongs to.
 json DescribeMeasurement(const TradeoffScene& scene,
                          const TradeoffSetting& setting) {
-  const json description = {{"images", fs::absolute(scene.image_path).string()},
-                            {"model", fs::absolute(scene.input_path).string()},
+  const json description = {{"images", scene.image_path},
+                            {"model", scene.input_path},
                             {"masks", scene.mask_path},
                             {"truth", scene.truth.path},
                             {"truth_scale", scene.truth.scale},
@@ -149,14 +159,20 @@ void Run(const TradeoffScene& scene,
 }  // namespace
 
 void PrepareScene(TradeoffScene* scene) {
+  for (std::string* const path : {&scene->image_path,
+                                  &scene->input_path,
+                                  &scene->mask_path,
+                                  &scene->truth.path}) {
+    *path = CanonicalPath(*path);
+  }
   const colmap::Reconstruction model = ReadModel(scene->input_path);
   CheckModel(model);
   CheckImages(model, scene->image_path);
   if (!scene->mask_path.empty()) {
     CheckMasks(model, scene->mask_path);
   }
-  scene->fingerprint = InputFingerprint(
-      model, fs::absolute(scene->image_path).string(), scene->mask_path);
+  scene->fingerprint =
+      InputFingerprint(model, scene->image_path, scene->mask_path);
   if (!scene->truth.path.empty()) {
     EstimateScale(TruthViews(model, scene->image_path, scene->truth), *scene);
   }

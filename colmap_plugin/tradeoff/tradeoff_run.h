@@ -17,10 +17,10 @@ struct TradeoffScene {
   std::string fingerprint;  // of model, images and masks (run_identity.h)
 };
 
-// Fills `fingerprint`, and looks at the ground truth: it would be of no use to
-// find that it is wrong after runs of hours. Throws std::runtime_error, naming
-// the option, if the model cannot be read, or if nothing can be measured
-// against the truth.
+// Writes paths in one way, fills `fingerprint`, and looks at images, masks and
+// ground truth: it would be of no use to find that they are wrong after runs of
+// hours. Throws std::runtime_error, naming the option or file, if one cannot be
+// read, or if nothing can be measured against the truth.
 void PrepareScene(TradeoffScene* scene);
 
 // What one run took and gave.

@@ -72,9 +72,19 @@ TEST_F(TradeoffTest, MeasuresEverySettingOnce) {
   EXPECT_TRUE(fs::exists(run / "seed1/depth.png"));
   EXPECT_FALSE(fs::exists(run / "seed1/workspace"));
 
-  // The same command again only reads.
+  // The same command again only reads, however its paths are written.
   const auto before = ReadFolder(temp_dir_ / "tradeoff/runs");
-  ASSERT_EQ(Run(settings).exit_code, 0);
+  const ProgramResult again = RunProgram({"structnerf_tradeoff",
+                                          "--image_path",
+                                          temp_dir_ / "sparse/../images/",
+                                          "--input_path",
+                                          temp_dir_ / "sparse/",
+                                          "--output_path",
+                                          temp_dir_ / "tradeoff",
+                                          "--num_seeds=2",
+                                          "--settings",
+                                          settings});
+  ASSERT_EQ(again.exit_code, 0) << again.error;
   EXPECT_EQ(ReadFolder(temp_dir_ / "tradeoff/runs"), before);
 }
 
