@@ -89,13 +89,19 @@ void DenseWidget::Show() {
     if (!link_->ImagePath().empty()) {
       options_->image_path = link_->ImagePath();
     }
-    if (options_->output_path.empty()) {
-      options_->output_path = DefaultWorkspace(*link_);
+    const std::string workspace = DefaultWorkspace(*link_);
+    const bool is_other_project =
+        !default_workspace_.empty() && workspace != default_workspace_;
+    if (is_other_project) {
+      // Neither results nor masks are those of this one.
+      options_->mask_path.clear();
+      options_->overwrite = false;
     }
-    // A copy: COLMAP may change its model, or forget it, while this one is
-    // worked on.
-    model_ = std::make_shared<const colmap::Reconstruction>(*model);
-    setup_page_->ShowModel(model_);
+    if (is_other_project || options_->output_path.empty()) {
+      options_->output_path = workspace;
+    }
+    default_workspace_ = workspace;
+    TakeModel(*model);
     tabs_->setCurrentIndex(kSetupTab);
   }
   show();
@@ -103,10 +109,21 @@ void DenseWidget::Show() {
   activateWindow();
 }
 
+void DenseWidget::TakeModel(const colmap::Reconstruction& model) {
+  // A copy: COLMAP may change its model, or forget it, while this one is worked
+  // on.
+  model_ = std::make_shared<const colmap::Reconstruction>(model);
+  setup_page_->ShowModel(model_);
+}
+
 void DenseWidget::Start() {
   if (options_->output_path.empty()) {
     ShowError(this, "No workspace is given; choose a folder for the results.");
     return;
+  }
+  // COLMAP may have changed it, or show another one, since the dialog came up.
+  if (const auto model = link_->Model()) {
+    TakeModel(*model);
   }
   StructNerfOptions options = *options_;
   options.fusion = link_->FusionOptions();

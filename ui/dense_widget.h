@@ -35,6 +35,8 @@ class DenseWidget : public QWidget {
   bool eventFilter(QObject* object, QEvent* event) override;
 
  private:
+  // Takes the model that COLMAP shows now.
+  void TakeModel(const colmap::Reconstruction& model);
   void Start();
   void Poll();
   void End();
@@ -52,6 +54,7 @@ class DenseWidget : public QWidget {
   QTimer* timer_;
   std::unique_ptr<DenseRun> run_;
   std::shared_ptr<const colmap::Reconstruction> model_;  // shown or worked on
+  std::string default_workspace_;  // of the project that was open last
 };
 
 }  // namespace structnerf

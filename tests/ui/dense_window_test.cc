@@ -106,6 +106,19 @@ TEST_F(DenseWindowTest, KeyAndMenuOpenTheDialog) {
   EXPECT_TRUE(dialog->isVisible());
 }
 
+// Though the dialog came up with another one.
+TEST_F(DenseWindowTest, StartTakesTheModelThatIsShown) {
+  OpenDialog();
+  MakeTinyModel(1).WriteModel(*temp_dir_ / "one_image_more");
+  window_->Window().ImportReconstruction(*temp_dir_ / "one_image_more");
+  ASSERT_EQ(Viewer()->reconstruction->NumRegImages(), 1u);
+  AnswerMessage(QMessageBox::Ok, "message_other_model");
+  Click("start");
+  EXPECT_TRUE(
+      QTest::qWaitFor([&]() { return !message_.empty(); }, kRunMilliseconds));
+  EXPECT_THAT(message_, HasSubstr("1 registered images"));
+}
+
 TEST_F(DenseWindowTest, RunsToTheEndAndShowsTheResults) {
   OpenDialog();
   EXPECT_EQ(Find<QLineEdit>("image_path")->text().toStdString(),
