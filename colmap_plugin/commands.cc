@@ -126,6 +126,11 @@ bool ParseOptionsOfQuality(const std::vector<std::string>& args,
   }
   CheckPresetWords(options, method, quality);
   options.fusion = *manager.stereo_fusion;
+  // COLMAP's own option.
+  const std::string seed = FindOption(args, "random_seed", "");
+  if (!seed.empty() && FindOption(args, "StructNeRF.seed", "").empty()) {
+    options.reconstruction.training.seed = std::stoi(seed);
+  }
   CheckOptions(options);
   return true;
 }
@@ -150,6 +155,12 @@ bool ParseDenseCommand(const std::vector<std::string>& raw_args,
   }
   const bool quality_by_time =
       quality.empty() && command->options.max_minutes > 0;
+  if (!command->options.workspace_path.empty() &&
+      !FindOption(raw_args, "image_path", "").empty()) {
+    throw std::runtime_error(
+        "--workspace_path runs on an existing workspace and its images; leave "
+        "out --image_path.");
+  }
   if (!command->print_options) {
     CheckPaths(*command);
   }

@@ -15,6 +15,7 @@
 #include <unordered_set>
 
 #include <glog/logging.h>
+#include <sys/stat.h>
 
 namespace structnerf {
 namespace {
@@ -27,11 +28,37 @@ bool HasModelFiles(const fs::path& path, const std::string& extension) {
          fs::is_regular_file(path / ("points3D" + extension));
 }
 
+// Results are moved into their folders once they are complete.
+void RequireOneDisk(const std::string& path, const bool is_new) {
+  std::vector<std::string> folders = {"stereo", "structnerf"};
+  if (is_new) {
+    folders.insert(folders.end(), {"images", "sparse"});
+  }
+  struct stat parent;
+  if (stat(path.c_str(), &parent) != 0) {
+    return;  // it will be made
+  }
+  for (const std::string& name : folders) {
+    struct stat folder;
+    const std::string folder_path = (fs::path(path) / name).string();
+    if (stat(folder_path.c_str(), &folder) == 0 &&
+        folder.st_dev != parent.st_dev) {
+      throw std::runtime_error("The folder " + folder_path +
+                               " is on another disk than " + path +
+                               ", so results cannot be moved there in one "
+                               "step; choose a folder on one disk.");
+    }
+  }
+}
+
 }  // namespace
 
 colmap::Reconstruction ReadModel(const std::string& path) {
   if (!fs::is_directory(path)) {
-    throw std::runtime_error("The model folder " + path + " does not exist.");
+    throw std::runtime_error("The model folder " + path +
+                             " does not exist; give the folder of a COLMAP "
+                             "model, or of a workspace that has one in sparse "
+                             "(image_undistorter makes it).");
   }
   if (!HasModelFiles(path, ".bin") && !HasModelFiles(path, ".txt")) {
     throw std::runtime_error(
@@ -158,6 +185,7 @@ void CheckOutput(const StructNerfOptions& options,
                              " would overwrite the original images in " +
                              options.image_path + "; choose another one.");
   }
+  RequireOneDisk(path, is_new);
   if (options.overwrite) {
     return;
   }

@@ -3,7 +3,10 @@
 #include "colmap_plugin/colmap_compat.h"
 #include "colmap_plugin/image_file.h"
 #include "colmap_plugin/png_file.h"
+#include "nerf/progress.h"
+#include "nerf/util/thread_pool.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <stdexcept>
 
@@ -42,6 +45,37 @@ cv::Mat ReadCheckedMask(const std::string& path,
   return Binarize(mask, 0);
 }
 
+// Through a file, because COLMAP's bitmaps differ between versions.
+void UndistortMask(const colmap::Camera& camera,
+                   const std::string& input,
+                   const std::string& output) {
+  fs::create_directories(fs::path(output).parent_path());
+  WritePng(output, ReadCheckedMask(input, camera.width, camera.height));
+  if (camera.IsUndistorted()) {
+    return;
+  }
+  colmap::Bitmap bitmap;
+  colmap::Bitmap undistorted_bitmap;
+  colmap::Camera undistorted_camera;
+  if (!bitmap.Read(output, /*as_rgb=*/false)) {
+    throw std::runtime_error("The mask " + output + " cannot be read.");
+  }
+  colmap::UndistortImage(colmap::UndistortCameraOptions(),
+                         bitmap,
+                         camera,
+                         &undistorted_bitmap,
+                         &undistorted_camera);
+  // COLMAP does not always notice a full disk, but then nothing is read back.
+  const bool is_written = undistorted_bitmap.Write(output);
+  const cv::Mat undistorted = ReadGreyImage(output);
+  if (!is_written || undistorted.empty()) {
+    throw std::runtime_error("The file " + output +
+                             " could not be written; is the disk full?");
+  }
+  // Interpolation has blurred the border: half and more counts as "use".
+  WritePng(output, Binarize(undistorted, 127));
+}
+
 }  // namespace
 
 std::string MaskPath(const std::string& mask_path,
@@ -63,39 +97,30 @@ std::vector<uint8_t> ReadMask(const std::string& mask_path,
 
 void UndistortMasks(const colmap::Reconstruction& reconstruction,
                     const std::string& mask_path,
-                    const std::string& output_path) {
-  const colmap::UndistortCameraOptions options;
+                    const std::string& output_path,
+                    const int num_threads,
+                    const std::function<bool()>& stop) {
+  std::vector<colmap::image_t> image_ids;
   for (const colmap::image_t image_id : RegisteredImageIds(reconstruction)) {
-    const colmap::Image& image = reconstruction.Image(image_id);
-    const colmap::Camera& camera = reconstruction.Camera(image.CameraId());
-    const std::string input = MaskPath(mask_path, image.Name());
-    if (!fs::exists(input)) {
-      continue;
+    if (fs::exists(
+            MaskPath(mask_path, reconstruction.Image(image_id).Name()))) {
+      image_ids.push_back(image_id);
     }
-    const std::string output = MaskPath(output_path, image.Name());
-    fs::create_directories(fs::path(output).parent_path());
-    WritePng(output, ReadCheckedMask(input, camera.width, camera.height));
-    if (camera.IsUndistorted()) {
-      continue;
+  }
+  ThreadPool pool(num_threads);
+  const size_t batch = pool.NumThreads();
+  for (size_t begin = 0; begin < image_ids.size(); begin += batch) {
+    if (stop()) {
+      throw Aborted();
     }
-    // Through a file, because COLMAP's bitmaps differ between versions.
-    colmap::Bitmap bitmap;
-    colmap::Bitmap undistorted_bitmap;
-    colmap::Camera undistorted_camera;
-    if (!bitmap.Read(output, /*as_rgb=*/false)) {
-      throw std::runtime_error("The mask " + output + " cannot be read.");
-    }
-    colmap::UndistortImage(
-        options, bitmap, camera, &undistorted_bitmap, &undistorted_camera);
-    // COLMAP does not always notice a full disk, but then nothing is read back.
-    const bool is_written = undistorted_bitmap.Write(output);
-    const cv::Mat undistorted = ReadGreyImage(output);
-    if (!is_written || undistorted.empty()) {
-      throw std::runtime_error("The file " + output +
-                               " could not be written; is the disk full?");
-    }
-    // Interpolation has blurred the border: half and more counts as "use".
-    WritePng(output, Binarize(undistorted, 127));
+    pool.ParallelFor(std::min(batch, image_ids.size() - begin),
+                     [&](const size_t i, int) {
+                       const colmap::Image& image =
+                           reconstruction.Image(image_ids[begin + i]);
+                       UndistortMask(reconstruction.Camera(image.CameraId()),
+                                     MaskPath(mask_path, image.Name()),
+                                     MaskPath(output_path, image.Name()));
+                     });
   }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -24,9 +25,13 @@ std::vector<uint8_t> ReadMask(const std::string& mask_path,
                               int height);
 
 // Undistorts the masks of all registered images, which belong to the original
-// images, as COLMAP undistorts the images themselves. `output_path` is created.
+// images, as COLMAP undistorts the images themselves, as many at a time as
+// there are threads. `output_path` is created. Throws Aborted once `stop`
+// returns true, which is asked in between.
 void UndistortMasks(const colmap::Reconstruction& reconstruction,
                     const std::string& mask_path,
-                    const std::string& output_path);
+                    const std::string& output_path,
+                    int num_threads,
+                    const std::function<bool()>& stop);
 
 }  // namespace structnerf

@@ -254,6 +254,7 @@ void StructNerfController::UndistortImages() {
         options_.mask_path,
         mask_path_,
         *workspace_,
+        memory_plan_.num_decoded_images,
         [&](const size_t num_done) {
           stage.Report(num_done, reconstruction_->NumRegImages());
           return progress_->ShouldStop();
@@ -384,6 +385,9 @@ void StructNerfController::MakeMaps() {
 void StructNerfController::FusePoints() {
   BeginStage("Fusing points");
   colmap::mvs::StereoFusionOptions fusion_options = options_.fusion;
+  if (fusion_options.num_threads == -1) {
+    fusion_options.num_threads = options_.reconstruction.training.num_threads;
+  }
   fusion_options.min_num_pixels =
       MinNumPixels(fusion_options, image_names_.size());
   report_.fusion_min_num_pixels = fusion_options.min_num_pixels;
@@ -425,6 +429,10 @@ void StructNerfController::WriteResults() {
     report_.options.emplace(entry.name, entry.Value());
   }
   WriteReport(report_, workspace_->ReportFolder());
+  if (!HasNewWorkspace() && !options_.overwrite) {
+    // Somebody may have chosen images or sources in them.
+    workspace_->RemoveConfigsThatAreIn(DenseWorkspace(options_.ResultPath()));
+  }
   staged_folder_->Commit();
   // Only now: a run that is killed while results are moved still needs them.
   DenseWorkspace(options_.ResultPath()).RemoveMatchedMaps();

@@ -18,6 +18,7 @@ void UndistortIntoWorkspace(const colmap::Reconstruction& reconstruction,
                             const std::string& mask_path,
                             const std::string& undistorted_mask_path,
                             const DenseWorkspace& workspace,
+                            const int num_threads,
                             const std::function<bool(size_t)>& report,
                             FileJournal* journal) {
   std::vector<std::string> files;
@@ -51,7 +52,10 @@ void UndistortIntoWorkspace(const colmap::Reconstruction& reconstruction,
     throw Aborted();
   }
   if (!mask_path.empty()) {
-    UndistortMasks(reconstruction, mask_path, undistorted_mask_path);
+    UndistortMasks(
+        reconstruction, mask_path, undistorted_mask_path, num_threads, [&]() {
+          return report(num_done);
+        });
   }
   for (const std::string& file : files) {
     journal->Add(file);

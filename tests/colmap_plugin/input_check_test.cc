@@ -10,9 +10,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
+#include <sys/stat.h>
 
 namespace structnerf {
 namespace {
+
+namespace fs = std::filesystem;
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -186,6 +189,29 @@ TEST_F(InputCheckTest, SceneIsExportedBesideNothingElse) {
   std::ofstream(temp_dir_ / "a.jpg") << "a photograph";
   EXPECT_THAT(error_of(temp_dir_ / "a.jpg"), HasSubstr("not a scene"));
   EXPECT_THAT(error_of(temp_dir_.Path()), HasSubstr("that is a folder"));
+}
+
+TEST_F(InputCheckTest, ResultsStayOnOneDisk) {
+  const fs::path other_disk = "/dev/shm";
+  struct stat here;
+  struct stat there;
+  if (stat(temp_dir_.Path().c_str(), &here) != 0 ||
+      stat(other_disk.c_str(), &there) != 0 || here.st_dev == there.st_dev) {
+    GTEST_SKIP() << "there is no other disk";
+  }
+  StructNerfOptions options;
+  options.workspace_path = temp_dir_ / "dense";
+  fs::create_directories(options.workspace_path);
+  const auto error = [&]() {
+    return ErrorOf([&]() { CheckOutput(options, {"0.png"}); });
+  };
+  // No results are moved there.
+  fs::create_directory_symlink(other_disk,
+                               fs::path(options.workspace_path) / "images");
+  EXPECT_EQ(error(), "");
+  fs::create_directory_symlink(other_disk,
+                               fs::path(options.workspace_path) / "stereo");
+  EXPECT_THAT(error(), HasSubstr("dense/stereo is on another disk"));
 }
 
 TEST_F(InputCheckTest, ResultsAreWrittenIntoAFolderThatExists) {

@@ -1,6 +1,7 @@
 #include "colmap_plugin/masks.h"
 
 #include "colmap_plugin/input_check.h"
+#include "nerf/progress.h"
 #include "tests/colmap_plugin/tiny_model.h"
 #include "tests/support/file_size_limit.h"
 #include "tests/support/temp_dir.h"
@@ -58,6 +59,16 @@ TEST(Masks, NamesMaskOfWrongSizeOrFormat) {
   EXPECT_THROW(ReadMask(temp_dir.Path(), "a.jpg", 8, 6), std::runtime_error);
 }
 
+// From "masks" to "out".
+void UndistortAll(const colmap::Reconstruction& reconstruction,
+                  const TempDir& temp_dir) {
+  UndistortMasks(reconstruction,
+                 temp_dir / "masks",
+                 temp_dir / "out",
+                 /*num_threads=*/2,
+                 /*stop=*/[]() { return false; });
+}
+
 TEST(Masks, AreUndistortedLikeTheirImages) {
   const TempDir temp_dir;
   TinyModel model = MakeTinyModel(3);
@@ -72,7 +83,7 @@ TEST(Masks, AreUndistortedLikeTheirImages) {
 
   WriteMask(temp_dir / "masks/0.png.png", 64, 48, 45);
   WriteMask(temp_dir / "masks/sub/1.png.png", 64, 48, 0);
-  UndistortMasks(reconstruction, temp_dir / "masks", temp_dir / "out");
+  UndistortAll(reconstruction, temp_dir);
   EXPECT_FALSE(std::filesystem::exists(temp_dir / "out/2.png.png"));
   EXPECT_TRUE(std::filesystem::exists(temp_dir / "out/sub/1.png.png"));
 
@@ -107,7 +118,7 @@ TEST(Masks, FullDiskIsNotTakenForABrokenMask) {
   model.WriteModel(temp_dir / "sparse");
   const auto reconstruction = ReadModel(temp_dir / "sparse");
   WriteMask(temp_dir / "masks/0.png.png", 64, 48, 45);
-  UndistortMasks(reconstruction, temp_dir / "masks", temp_dir / "out");
+  UndistortAll(reconstruction, temp_dir);
   const auto num_bytes = [&](const std::string& name) {
     return std::filesystem::file_size(temp_dir / name);
   };
@@ -117,7 +128,7 @@ TEST(Masks, FullDiskIsNotTakenForABrokenMask) {
   for (size_t limit = 0; limit <= max_bytes; limit += 10) {
     const ScopedFileSizeLimit full_disk(limit);
     try {
-      UndistortMasks(reconstruction, temp_dir / "masks", temp_dir / "out");
+      UndistortAll(reconstruction, temp_dir);
       ADD_FAILURE() << limit << " bytes";
     } catch (const std::runtime_error& error) {
       EXPECT_THAT(error.what(), HasSubstr("out/0.png.png could not be"));
@@ -125,13 +136,30 @@ TEST(Masks, FullDiskIsNotTakenForABrokenMask) {
   }
 }
 
+TEST(Masks, StopInBetween) {
+  const TempDir temp_dir;
+  const TinyModel model = MakeTinyModel(3);
+  model.WriteModel(temp_dir / "sparse");
+  for (const TinyModel::Image& image : model.images) {
+    WriteMask(temp_dir / ("masks/" + image.name + ".png"), 64, 48, 20);
+  }
+  int num_asked = 0;
+  EXPECT_THROW(UndistortMasks(ReadModel(temp_dir / "sparse"),
+                              temp_dir / "masks",
+                              temp_dir / "out",
+                              /*num_threads=*/1,
+                              [&]() { return ++num_asked == 3; }),
+               Aborted);
+  EXPECT_TRUE(std::filesystem::exists(temp_dir / "out/1.png.png"));
+  EXPECT_FALSE(std::filesystem::exists(temp_dir / "out/2.png.png"));
+}
+
 TEST(Masks, OfUndistortedCamerasAreCopied) {
   const TempDir temp_dir;
   const TinyModel model = MakeTinyModel(2);
   model.WriteModel(temp_dir / "sparse");
   WriteMask(temp_dir / "masks/0.png.png", 64, 48, 20);
-  UndistortMasks(
-      ReadModel(temp_dir / "sparse"), temp_dir / "masks", temp_dir / "out");
+  UndistortAll(ReadModel(temp_dir / "sparse"), temp_dir);
   EXPECT_EQ(ReadMask(temp_dir / "out", "0.png", 64, 48),
             ReadMask(temp_dir / "masks", "0.png", 64, 48));
 }

@@ -241,6 +241,17 @@ TEST_F(BadInputTest, ContradictingPaths) {
   ExpectError("--workspace_path");
 }
 
+TEST_F(BadInputTest, WorkspacesHaveTheirOwnImages) {
+  model_.WriteImages(temp_dir_ / "workspace/images");
+  model_.WriteModel(temp_dir_ / "workspace/sparse");
+  options_.arguments = {"structnerf_dense",
+                        "--workspace_path",
+                        temp_dir_ / "workspace",
+                        "--image_path",
+                        temp_dir_ / "images"};
+  ExpectError("leave out --image_path");
+}
+
 TEST_F(BadInputTest, WorkspaceThatIsNone) {
   options_.arguments = {
       "structnerf_dense", "--workspace_path", temp_dir_ / "none"};
