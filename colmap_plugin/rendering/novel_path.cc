@@ -158,8 +158,8 @@ double MedianPointDepth(const Scene& scene, const size_t view_idx) {
     throw std::invalid_argument(
         "The model has no sparse point before image " +
         scene.views[view_idx].name +
-        ", so there is nothing to go around; choose --path input, or give "
-        "poses with --poses_path.");
+        ", so how deep it is cannot be told; the model of --workspace_path "
+        "must be the one that the field was trained on.");
   }
   return Median(&depths);
 }
