@@ -158,6 +158,9 @@ void CheckImages(const colmap::Reconstruction& reconstruction,
 
 void CheckMasks(const colmap::Reconstruction& reconstruction,
                 const std::string& mask_path) {
+  if (mask_path.empty()) {
+    return;
+  }
   if (!fs::is_directory(mask_path)) {
     throw std::runtime_error("The mask folder " + mask_path +
                              " does not exist.");

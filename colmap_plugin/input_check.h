@@ -28,7 +28,7 @@ void CheckWorkspaceFolder(const std::string& path);
 void CheckImages(const colmap::Reconstruction& reconstruction,
                  const std::string& image_path);
 
-// The folder exists and holds the mask of at least one image.
+// The folder exists and holds the mask of at least one image. Empty = none.
 void CheckMasks(const colmap::Reconstruction& reconstruction,
                 const std::string& mask_path);
 

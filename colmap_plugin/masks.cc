@@ -6,7 +6,6 @@
 #include "nerf/progress.h"
 #include "nerf/util/thread_pool.h"
 
-#include <algorithm>
 #include <filesystem>
 #include <stdexcept>
 
@@ -107,21 +106,16 @@ void UndistortMasks(const colmap::Reconstruction& reconstruction,
       image_ids.push_back(image_id);
     }
   }
-  ThreadPool pool(num_threads);
-  const size_t batch = pool.NumThreads();
-  for (size_t begin = 0; begin < image_ids.size(); begin += batch) {
-    if (stop()) {
-      throw Aborted();
-    }
-    pool.ParallelFor(std::min(batch, image_ids.size() - begin),
-                     [&](const size_t i, int) {
-                       const colmap::Image& image =
-                           reconstruction.Image(image_ids[begin + i]);
-                       UndistortMask(reconstruction.Camera(image.CameraId()),
-                                     MaskPath(mask_path, image.Name()),
-                                     MaskPath(output_path, image.Name()));
-                     });
-  }
+  ThreadPool(num_threads)
+      .ParallelFor(image_ids.size(), [&](const size_t i, const int thread) {
+        if (thread == 0 && stop()) {  // who called us
+          throw Aborted();
+        }
+        const colmap::Image& image = reconstruction.Image(image_ids[i]);
+        UndistortMask(reconstruction.Camera(image.CameraId()),
+                      MaskPath(mask_path, image.Name()),
+                      MaskPath(output_path, image.Name()));
+      });
 }
 
 }  // namespace structnerf

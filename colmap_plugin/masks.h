@@ -27,7 +27,7 @@ std::vector<uint8_t> ReadMask(const std::string& mask_path,
 // Undistorts the masks of all registered images, which belong to the original
 // images, as COLMAP undistorts the images themselves, as many at a time as
 // there are threads. `output_path` is created. Throws Aborted once `stop`
-// returns true, which is asked in between.
+// returns true, which is asked in between, by the calling thread.
 void UndistortMasks(const colmap::Reconstruction& reconstruction,
                     const std::string& mask_path,
                     const std::string& output_path,

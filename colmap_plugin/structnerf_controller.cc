@@ -170,9 +170,7 @@ void StructNerfController::CheckInput() {
   }
   CheckModel(*reconstruction_);
   CheckImages(*reconstruction_, options_.image_path);
-  if (!options_.mask_path.empty()) {
-    CheckMasks(*reconstruction_, options_.mask_path);
-  }
+  CheckMasks(*reconstruction_, options_.mask_path);
   CheckOutput(options_, ImageNames(*reconstruction_));
   CheckExport(options_.export_path);
   // From here on, reports and checkpoints know which device it is.

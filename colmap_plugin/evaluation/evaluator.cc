@@ -1,5 +1,6 @@
 #include "colmap_plugin/evaluation/evaluator.h"
 
+#include "colmap_plugin/colmap_compat.h"
 #include "colmap_plugin/evaluation/map_differences.h"
 #include "colmap_plugin/evaluation/pixel_lookup.h"
 #include "colmap_plugin/evaluation/workspace_maps.h"
@@ -74,17 +75,15 @@ class Evaluator {
   void RequireSameFrame() const {
     std::vector<double> distances;
     std::vector<double> differences;
-    const std::vector<std::string> names = ImageNames(original_model_);
-    const colmap::Image* const first =
-        names.empty() ? nullptr
-                      : original_model_.FindImageWithName(names.front());
-    for (const std::string& name : names) {
+    const auto image_ids = RegisteredImageIds(original_model_);
+    for (const colmap::image_t image_id : image_ids) {
+      const colmap::Image& image = original_model_.Image(image_id);
       const colmap::Image* const there =
-          workspace_model_.FindImageWithName(name);
+          workspace_model_.FindImageWithName(image.Name());
       if (there != nullptr) {
-        const Eigen::Vector3d center =
-            original_model_.FindImageWithName(name)->ProjectionCenter();
-        distances.push_back((center - first->ProjectionCenter()).norm());
+        const colmap::Image& first = original_model_.Image(image_ids.front());
+        const Eigen::Vector3d center = image.ProjectionCenter();
+        distances.push_back((center - first.ProjectionCenter()).norm());
         differences.push_back((center - there->ProjectionCenter()).norm());
       }
     }

@@ -168,9 +168,7 @@ void PrepareScene(TradeoffScene* scene) {
   const colmap::Reconstruction model = ReadModel(scene->input_path);
   CheckModel(model);
   CheckImages(model, scene->image_path);
-  if (!scene->mask_path.empty()) {
-    CheckMasks(model, scene->mask_path);
-  }
+  CheckMasks(model, scene->mask_path);
   scene->fingerprint =
       InputFingerprint(model, scene->image_path, scene->mask_path);
   if (!scene->truth.path.empty()) {

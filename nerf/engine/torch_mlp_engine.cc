@@ -116,11 +116,11 @@ class TorchMlpEngine : public RenderEngine {
     const torch::NoGradGuard no_grad;
     outputs->resize(tiles.size());
     const size_t tiles_per_batch = MlpBatchSize(options_.sampling).num_tiles;
+    const bool has_fine = options_.sampling.num_fine_samples > 0;
     for (size_t begin = 0; begin < tiles.size(); begin += tiles_per_batch) {
       const size_t end = std::min(tiles.size(), begin + tiles_per_batch);
       const std::vector<RayTile> batch(tiles.begin() + begin,
                                        tiles.begin() + end);
-      const bool has_fine = options_.sampling.num_fine_samples > 0;
       const MlpRendering rendering = RenderBatch(
           MakeBatch(batch), with_color && !has_fine, with_color, nullptr);
       int64_t first_ray = 0;
