@@ -4,6 +4,10 @@
 
 #include "tests/end_to_end/resumed_run.h"
 
+#include <string>
+#include <utility>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 namespace structnerf {
@@ -41,6 +45,21 @@ TEST_F(DeterminismTest, AnotherSeedGivesAnotherResult) {
   ASSERT_EQ(RunProgram(Command({"--StructNeRF.seed=1"}, "seed")).exit_code, 0);
   EXPECT_NE(ReadResult("seed").at("stereo/depth_maps/0.png.photometric.bin"),
             expected_.at("stereo/depth_maps/0.png.photometric.bin"));
+}
+
+TEST_F(DeterminismTest, ColmapsSeedIsTakenIfOursIsNotGiven) {
+  for (const auto& [arguments, seed] :
+       {std::pair(std::vector<std::string>{"--random_seed=5"}, "5"),
+        std::pair(
+            std::vector<std::string>{"--random_seed=5", "--StructNeRF.seed=3"},
+            "3")}) {
+    std::vector<std::string> all = {"structnerf_dense",
+                                    "--StructNeRF.print_options=1"};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    EXPECT_NE(RunProgram(all).out.find(std::string("StructNeRF.seed = ") +
+                                       seed + "\n"),
+              std::string::npos);
+  }
 }
 
 }  // namespace

@@ -6,9 +6,6 @@
 #include "tests/support/temp_dir.h"
 
 #include <chrono>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -89,21 +86,6 @@ TEST_F(TimeLimitTest, ToTellTheQualityAModelSuffices) {
   ASSERT_EQ(result.exit_code, 0) << result.error;
   EXPECT_NE(result.out.find("StructNeRF.quality = extreme"), std::string::npos)
       << result.out;
-}
-
-TEST_F(TimeLimitTest, ToTellTheSeedColmapsOptionSuffices) {
-  for (const auto& [arguments, seed] :
-       {std::pair(std::vector<std::string>{"--random_seed=5"}, "5"),
-        std::pair(
-            std::vector<std::string>{"--random_seed=5", "--StructNeRF.seed=3"},
-            "3")}) {
-    std::vector<std::string> all = {"structnerf_dense",
-                                    "--StructNeRF.print_options=1"};
-    all.insert(all.end(), arguments.begin(), arguments.end());
-    EXPECT_NE(RunProgram(all).out.find(std::string("StructNeRF.seed = ") +
-                                       seed + "\n"),
-              std::string::npos);
-  }
 }
 
 TEST_F(TimeLimitTest, TheQualityNeedsAModel) {

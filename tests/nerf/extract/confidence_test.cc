@@ -123,6 +123,7 @@ TEST(EstimateConfidence, NoDepthHasNone) {
   const auto confidence = EstimateConfidence(
       MakeCamera(kWidth, kHeight, 50), maps, ConstantAngle(10));
   EXPECT_EQ(confidence[7], 0);
+  EXPECT_GT(confidence[6], 0);
 }
 
 // Masked pixels are no surface at depth 0.
