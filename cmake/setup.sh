@@ -30,9 +30,11 @@ install_packages() {
     sudo=(sudo)
   fi
   say "installing ${#missing[@]} packages (about 2 minutes)"
-  if ! "${sudo[@]}" apt-get -qq update ||
-      ! "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq install -y \
-        --no-install-recommends "${missing[@]}" > /dev/null; then
+  # Another apt-get, say of automatic upgrades, is waited for.
+  local apt=("${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq
+             -o DPkg::Lock::Timeout=600)
+  if ! "${apt[@]}" update ||
+      ! "${apt[@]}" install -y --no-install-recommends "${missing[@]}" > /dev/null; then
     die "apt-get could not install ${missing[*]}"
   fi
 }
