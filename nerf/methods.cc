@@ -5,7 +5,8 @@
 namespace structnerf {
 namespace {
 
-// Of Dense Depth Priors (the paper, section IV-D-3).
+// What the paper gives its baselines (section on their implementation).
+constexpr double kDsNerfSparseWeight = 0.1;
 constexpr double kDensePriorWeight = 0.008;
 
 // Neither hints of structure nor depth, nor stereo at the end.
@@ -22,12 +23,14 @@ void KeepOnlyColor(ReconstructionOptions* options) {
 
 ReconstructionOptions ApplyMethod(const std::string& method,
                                   ReconstructionOptions options) {
-  const double sparse_weight = options.loss.sparse_weight;
+  const LossOptions loss = options.loss;
   if (method == "nerf") {
     KeepOnlyColor(&options);
   } else if (method == "dsnerf") {
     KeepOnlyColor(&options);
-    options.loss.sparse_weight = sparse_weight;
+    options.loss.sparse_weight = loss.sparse_form == "squared"
+                                     ? kDsNerfSparseWeight
+                                     : loss.sparse_weight;
     options.loss.sparse_form = "squared";
     options.loss.sparse_fraction = 1;
   } else if (method == "dense_depth_prior") {

@@ -11,9 +11,10 @@ namespace structnerf {
 //   "structnerf"  nothing
 //   "nerf"        colour only (Mildenhall et al. 2020)
 //   "dsnerf"      colour, and the squared error of the sparse points' depth to
-//                 the end of the training (Deng et al. 2022), at the weight
-//                 that they have (the paper's comparison: 0.1); set sparse_form
-//                 to "kl" for its ray-termination form
+//                 the end of the training (Deng et al. 2022), at the paper's
+//                 weight if `options` have its losses (quality "paper"), else
+//                 at the weight that they have; set sparse_form to "kl" for its
+//                 ray-termination form
 //   "dense_depth_prior"  colour, the likelihood of the views' depth priors, and
 //                 samples around these (Roessle et al. 2022)
 //   "nerfing_mvs" colour, on rays that end near the views' depth priors, the

@@ -44,6 +44,13 @@ TEST(ApplyMethod, DsNerfNeverSwitchesSparseDepthOff) {
   EXPECT_EQ(options.stereo.num_iterations, 0);
 }
 
+TEST(ApplyMethod, DsNerfHasThePapersWeightAmongThePapersLosses) {
+  EXPECT_EQ(ApplyMethod("dsnerf", QualityPreset("paper")).loss.sparse_weight,
+            0.1);
+  EXPECT_EQ(ApplyMethod("dsnerf", QualityPreset("low")).loss.sparse_weight,
+            QualityPreset("low").loss.sparse_weight);
+}
+
 TEST(ApplyMethod, OthersNeedPriors) {
   const ReconstructionOptions dense =
       ApplyMethod("dense_depth_prior", QualityPreset("medium"));
