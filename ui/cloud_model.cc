@@ -1,7 +1,11 @@
 #include "ui/cloud_model.h"
 
+#include "colmap_plugin/evaluation/ply_positions.h"
+
+#include <algorithm>
 #include <filesystem>
 #include <stdexcept>
+#include <vector>
 
 #include <colmap/util/ply.h>
 
@@ -17,8 +21,12 @@ std::shared_ptr<colmap::Reconstruction> MakeCloudModel(
   for (const colmap::point3D_t point3D_id : sparse.Point3DIds()) {
     model->DeletePoint3D(point3D_id);
   }
-  for (const colmap::PlyPoint& point : colmap::ReadPly(ply_path)) {
-    model->AddPoint3D(Eigen::Vector3d(point.x, point.y, point.z),
+  // COLMAP's reader, which knows colours, rounds geo-referenced positions.
+  const std::vector<Eigen::Vector3d> positions = ReadPlyPositions(ply_path);
+  const std::vector<colmap::PlyPoint> points = colmap::ReadPly(ply_path);
+  for (size_t i = 0; i < std::min(positions.size(), points.size()); ++i) {
+    const colmap::PlyPoint& point = points[i];
+    model->AddPoint3D(positions[i],
                       colmap::Track(),
                       Eigen::Matrix<uint8_t, 3, 1>(point.r, point.g, point.b));
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <QAction>
 #include <functional>
 #include <memory>
 #include <string>
@@ -19,6 +20,14 @@ class ColmapLink {
   explicit ColmapLink(const colmap::OptionManager& manager);
 
   void SetViewer(colmap::ModelViewerWidget* viewer) { viewer_ = viewer; }
+
+  // See MainWindowHook.
+  void SetPauseAction(const QAction* action) { pause_action_ = action; }
+
+  // Whether COLMAP's mapper is at work on the model.
+  bool IsMapping() const {
+    return pause_action_ != nullptr && pause_action_->isEnabled();
+  }
 
   // Of the project; empty if there is none.
   std::string ImagePath() const;
@@ -45,6 +54,7 @@ class ColmapLink {
   std::shared_ptr<colmap::mvs::StereoFusionOptions> fusion_;
   std::shared_ptr<colmap::RenderOptions> render_;
   colmap::ModelViewerWidget* viewer_ = nullptr;
+  const QAction* pause_action_ = nullptr;
 
   // What ShowCloud() put in place of `model_`.
   std::shared_ptr<colmap::Reconstruction> cloud_;

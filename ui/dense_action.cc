@@ -38,7 +38,6 @@ DenseAction::DenseAction(QMainWindow* window,
     : QAction(MakeIcon(hook.dense_action->icon()),
               "StructNeRF dense reconstruction",
               window),
-      pause_action_(hook.pause_action),
       link_(link),
       widget_(new DenseWidget(window, options, link)) {
   setObjectName("structnerf_dense");
@@ -62,8 +61,8 @@ void DenseAction::UpdateEnabled() {
     setEnabled(true);  // shows how far it is
     return;
   }
-  if (pause_action_->isEnabled()) {
-    setEnabled(false);  // the mapper is changing the model
+  if (link_->IsMapping()) {
+    setEnabled(false);
     return;
   }
   const auto model = link_->Model();

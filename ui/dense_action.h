@@ -25,7 +25,6 @@ class DenseAction : public QAction {
  private:
   void UpdateEnabled();
 
-  const QAction* const pause_action_;
   ColmapLink* const link_;
   DenseWidget* const widget_;
 };

@@ -62,7 +62,13 @@ DenseWidget::DenseWidget(QWidget* main_window,
   advanced->setWidget(new OptionPage(AdvancedEntries(options), advanced));
   advanced->setWidgetResizable(true);
   advanced->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
-  run_page_ = new RunPage(this);
+  run_page_ = new RunPage(
+      [this]() {
+        if (MayEndRun()) {
+          EndRun();
+        }
+      },
+      this);
   results_page_ = new ResultsPage(link, this);
   tabs_->addTab(setup_page_, "Setup");
   tabs_->addTab(advanced, "Advanced");
@@ -86,8 +92,9 @@ DenseWidget::DenseWidget(QWidget* main_window,
 void DenseWidget::Show() {
   const auto model = link_->Model();
   if (!IsRunning() && model != nullptr) {
-    if (!link_->ImagePath().empty()) {
-      options_->image_path = link_->ImagePath();
+    project_image_path_ = link_->ImagePath();
+    if (!project_image_path_.empty()) {
+      options_->image_path = project_image_path_;
     }
     const std::string workspace = DefaultWorkspace(*link_);
     const bool is_other_project =
@@ -101,7 +108,7 @@ void DenseWidget::Show() {
       options_->output_path = workspace;
     }
     default_workspace_ = workspace;
-    TakeModel(*model);
+    TakeModel(model);
     tabs_->setCurrentIndex(kSetupTab);
   }
   show();
@@ -109,10 +116,12 @@ void DenseWidget::Show() {
   activateWindow();
 }
 
-void DenseWidget::TakeModel(const colmap::Reconstruction& model) {
+void DenseWidget::TakeModel(
+    const std::shared_ptr<const colmap::Reconstruction>& model) {
+  shown_model_ = model;
   // A copy: COLMAP may change its model, or forget it, while this one is worked
   // on.
-  model_ = std::make_shared<const colmap::Reconstruction>(model);
+  model_ = std::make_shared<const colmap::Reconstruction>(*model);
   setup_page_->ShowModel(model_);
 }
 
@@ -121,9 +130,23 @@ void DenseWidget::Start() {
     ShowError(this, "No workspace is given; choose a folder for the results.");
     return;
   }
+  if (link_->IsMapping()) {
+    ShowError(this,
+              "COLMAP is changing the model; pause its reconstruction, or wait "
+              "for its end.");
+    return;
+  }
+  if (DefaultWorkspace(*link_) != default_workspace_ ||
+      link_->ImagePath() != project_image_path_) {
+    Show();
+    ShowError(this,
+              "Another project has been opened; see whether images and "
+              "workspace are right, and start again.");
+    return;
+  }
   // COLMAP may have changed it, or show another one, since the dialog came up.
   if (const auto model = link_->Model()) {
-    TakeModel(*model);
+    TakeModel(model);
   }
   StructNerfOptions options = *options_;
   options.fusion = link_->FusionOptions();
@@ -156,10 +179,18 @@ void DenseWidget::End() {
                 << " points in " << run->Report().workspace_path;
       tabs_->setTabEnabled(kResultsTab, true);
       tabs_->setCurrentIndex(kResultsTab);
-      results_page_->ShowResults(run->Report(), model_);
+      // The user may look at another one by now.
+      results_page_->ShowResults(
+          run->Report(),
+          model_,
+          link_->Model() != nullptr && link_->Model() == shown_model_.lock());
       break;
     case StructNerfController::Status::kAborted:
-      LOG(WARNING) << "StructNeRF: cancelled; nothing was written";
+      LOG(WARNING) << "StructNeRF: cancelled; "
+                   << (run->KeptPath().empty()
+                           ? "nothing was written"
+                           : "Start goes on from what was done, which is in " +
+                                 run->KeptPath());
       tabs_->setTabEnabled(kRunTab, false);
       tabs_->setCurrentIndex(kSetupTab);
       break;
@@ -175,38 +206,49 @@ void DenseWidget::End() {
   }
 }
 
-bool DenseWidget::MayCancel() {
-  return !IsRunning() ||
-         QMessageBox::question(
-             this,
-             "",
-             "The StructNeRF reconstruction has not ended. Do you want to "
-             "cancel it? Nothing will be written.",
-             QMessageBox::Yes | QMessageBox::No) == QMessageBox::Yes;
+bool DenseWidget::MayEndRun() {
+  if (!IsRunning()) {
+    return true;
+  }
+  const auto answer = QMessageBox::question(
+      this,
+      "",
+      "The StructNeRF reconstruction has not ended. Save what it has learned, "
+      "so that Start goes on from there another time, or discard it?",
+      QMessageBox::Save | QMessageBox::Discard | QMessageBox::Cancel,
+      QMessageBox::Cancel);
+  should_save_ = answer == QMessageBox::Save;
+  return answer == QMessageBox::Save || answer == QMessageBox::Discard;
 }
 
-void DenseWidget::Cancel() {
-  if (IsRunning()) {
+void DenseWidget::EndRun() {
+  if (!IsRunning()) {
+    return;
+  }
+  if (should_save_) {
+    run_->Progress().Suspend();
+  } else {
     run_->Progress().Abort();
   }
+  run_page_->ShowState();
 }
 
 void DenseWidget::closeEvent(QCloseEvent* event) {
-  const bool may_cancel = MayCancel();
-  event->setAccepted(may_cancel);
-  if (may_cancel) {
-    Cancel();
+  const bool may_end = MayEndRun();
+  event->setAccepted(may_end);
+  if (may_end) {
+    EndRun();
   }
 }
 
 bool DenseWidget::eventFilter(QObject* object, QEvent* event) {
-  if (event->type() == QEvent::Close && !MayCancel()) {
+  if (event->type() == QEvent::Close && !MayEndRun()) {
     event->ignore();
     return true;
   }
   // Only now: after our question, COLMAP asks one of its own.
   if (event->type() == QEvent::Hide && !event->spontaneous()) {
-    Cancel();
+    EndRun();
   }
   return QWidget::eventFilter(object, event);
 }

@@ -35,15 +35,16 @@ class DenseWidget : public QWidget {
   bool eventFilter(QObject* object, QEvent* event) override;
 
  private:
-  // Takes the model that COLMAP shows now.
-  void TakeModel(const colmap::Reconstruction& model);
+  // Takes the model that COLMAP shows, not null.
+  void TakeModel(const std::shared_ptr<const colmap::Reconstruction>& model);
   void Start();
   void Poll();
   void End();
 
-  // Asks in the middle of a run.
-  bool MayCancel();
-  void Cancel();
+  // In the middle of a run, asks whether it may end, and whether what it has
+  // done shall be saved.
+  bool MayEndRun();
+  void EndRun();
 
   StructNerfOptions* const options_;
   ColmapLink* const link_;
@@ -54,7 +55,15 @@ class DenseWidget : public QWidget {
   QTimer* timer_;
   std::unique_ptr<DenseRun> run_;
   std::shared_ptr<const colmap::Reconstruction> model_;  // shown or worked on
-  std::string default_workspace_;  // of the project that was open last
+
+  // The object that COLMAP showed when the model was taken from it.
+  std::weak_ptr<const colmap::Reconstruction> shown_model_;
+
+  // Of the project that was open when the window came up.
+  std::string default_workspace_;
+  std::string project_image_path_;
+
+  bool should_save_ = false;  // what the user said when asked last
 };
 
 }  // namespace structnerf

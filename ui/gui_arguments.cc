@@ -2,17 +2,24 @@
 
 #include "colmap_plugin/colmap_compat.h"
 #include "colmap_plugin/command_line.h"
+#include "colmap_plugin/command_runner.h"
 #include "colmap_plugin/option_table.h"
 
 #include <string>
 #include <vector>
 
 namespace structnerf {
+namespace {
+
+constexpr char kSection[] = "StructNeRF.";
+
+}  // namespace
 
 bool ParseGuiArguments(const int argc, char** argv, GuiArguments* arguments) {
   StructNerfOptions& options = arguments->options;
   colmap::OptionManager& manager = arguments->manager;
-  const std::vector<std::string> args(argv, argv + argc);
+  const std::vector<std::string> args =
+      ExpandCommandLine({argv, argv + argc}, {kSection}, {});
   options.quality = FindOption(args, "StructNeRF.quality", options.quality);
   options.method = FindOption(args, "StructNeRF.method", options.method);
   options.reconstruction = MakePreset(options.method, options.quality);
@@ -23,6 +30,12 @@ bool ParseGuiArguments(const int argc, char** argv, GuiArguments* arguments) {
     manager.AddAllOptions();
     const StructNerfOptions given = options;
     if (!ParseOptions(argc, argv, &manager)) {
+      return false;
+    }
+    // With a project file, COLMAP has left out the command line.
+    colmap::OptionManager own(/*add_project_options=*/false);
+    AddOptions(MakeOptionTable(&options), &own);
+    if (!ParseArguments(KeepSection(args, kSection), &own)) {
       return false;
     }
     CheckPresetWords(options, given.method, given.quality);

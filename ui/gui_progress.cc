@@ -52,6 +52,11 @@ bool GuiProgress::ShouldAbort() {
   return should_abort_;
 }
 
+bool GuiProgress::ShouldSave() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return should_save_;
+}
+
 void GuiProgress::BlockWhilePaused() {
   std::unique_lock<std::mutex> lock(mutex_);
   if (!state_.is_paused) {
@@ -100,6 +105,14 @@ void GuiProgress::Abort() {
     state_.is_paused = false;
   }
   resumed_.notify_all();
+}
+
+void GuiProgress::Suspend() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    should_save_ = true;
+  }
+  Abort();
 }
 
 void GuiProgress::WatchImage(const std::string& name) {

@@ -26,7 +26,7 @@ struct RunState {
   double fraction = 0;       // of the stage
   double seconds_left = -1;  // of the stage; -1 = not known yet
   bool is_paused = false;
-  bool is_stopping = false;  // told to stop or to abort
+  bool is_stopping = false;  // told to end in one of the ways there are
   std::vector<CurvePoint> loss;
   std::vector<CurvePoint> held_out_psnr;   // dB
   std::shared_ptr<const Preview> preview;  // the latest; null = none yet
@@ -41,6 +41,7 @@ class GuiProgress : public RunProgress {
   void Report(const ProgressUpdate& update) override;
   bool ShouldStop() override;
   bool ShouldAbort() override;
+  bool ShouldSave() override;
   void BlockWhilePaused() override;
   void ShowPreview(const Preview& preview) override;
   std::string PreviewImage() override;
@@ -49,6 +50,7 @@ class GuiProgress : public RunProgress {
   void SetPaused(bool is_paused);
   void Stop();                               // keep what has been learned
   void Abort();                              // keep nothing
+  void Suspend();                            // keep what can be gone on with
   void WatchImage(const std::string& name);  // empty = none
   RunState State() const;
 
@@ -60,6 +62,7 @@ class GuiProgress : public RunProgress {
   RunState state_;
   bool should_stop_ = false;
   bool should_abort_ = false;
+  bool should_save_ = false;
   std::string preview_image_;
   Clock::time_point stage_begin_ = Clock::now();
 };

@@ -18,6 +18,7 @@ GuiWindow::GuiWindow(
   error_ = hook.error;
   if (error_.empty()) {
     link_.SetViewer(hook.viewer);
+    link_.SetPauseAction(hook.pause_action);
     new DenseAction(&window_, hook, options, &link_);
   }
 }

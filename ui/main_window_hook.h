@@ -14,7 +14,11 @@ namespace structnerf {
 struct MainWindowHook {
   QMenu* reconstruction_menu = nullptr;
   QAction* dense_action = nullptr;  // COLMAP's own, which ours stands beside
-  QAction* pause_action = nullptr;  // enabled exactly while the mapper runs
+
+  // Enabled while the mapper runs, until it is told to pause; it then ends the
+  // image that it is at.
+  QAction* pause_action = nullptr;
+
   colmap::ModelViewerWidget* viewer = nullptr;
 
   // One sentence saying what a COLMAP of another kind lacks; empty if nothing.

@@ -100,7 +100,8 @@ QPushButton* ResultsPage::AddButton(const QString& text,
 
 void ResultsPage::ShowResults(
     const RunReport& report,
-    std::shared_ptr<const colmap::Reconstruction> model) {
+    std::shared_ptr<const colmap::Reconstruction> model,
+    const bool shows_cloud) {
   workspace_ = std::make_unique<DenseWorkspace>(report.workspace_path);
   model_ = std::move(model);
   summary_->setPlainText(QString::fromStdString(ReportText(report)));
@@ -123,7 +124,9 @@ void ResultsPage::ShowResults(
   buttons_->setEnabled(true);
   comparison_bar_->ShowWorkspace(report.workspace_path);
   comparison_bar_->setEnabled(true);
-  ShowErrorOf(this, [this]() { ReadCloud(); });
+  if (shows_cloud) {
+    ShowErrorOf(this, [this]() { ReadCloud(); });
+  }
 }
 
 void ResultsPage::ReadCloud() {

@@ -25,9 +25,11 @@ class ResultsPage : public QWidget {
   // `link` must outlive this object.
   ResultsPage(ColmapLink* link, QWidget* parent);
 
-  // `model` is the one the run was made from.
+  // `model` is the one the run was made from. `shows_cloud`: whether the cloud
+  // takes its place in COLMAP's viewer without being asked for.
   void ShowResults(const RunReport& report,
-                   std::shared_ptr<const colmap::Reconstruction> model);
+                   std::shared_ptr<const colmap::Reconstruction> model,
+                   bool shows_cloud);
 
  private:
   QPushButton* AddButton(const QString& text,

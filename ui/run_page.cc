@@ -1,10 +1,11 @@
 #include "ui/run_page.h"
 
-#include "colmap_plugin/terminal_progress.h"
+#include "colmap_plugin/text_output.h"
 
 #include <QGridLayout>
 #include <QHBoxLayout>
 #include <QVBoxLayout>
+#include <utility>
 
 namespace structnerf {
 namespace {
@@ -13,7 +14,8 @@ constexpr int kBarMaximum = 1000;
 
 }  // namespace
 
-RunPage::RunPage(QWidget* parent) : QWidget(parent) {
+RunPage::RunPage(std::function<void()> cancel, QWidget* parent)
+    : QWidget(parent) {
   auto* layout = new QVBoxLayout(this);
 
   auto* line = new QHBoxLayout();
@@ -77,11 +79,8 @@ RunPage::RunPage(QWidget* parent) : QWidget(parent) {
   buttons->addWidget(stop_button_);
   cancel_button_ = new QPushButton("Cancel", this);
   cancel_button_->setObjectName("cancel");
-  cancel_button_->setToolTip("End now and write nothing");
-  connect(cancel_button_, &QPushButton::clicked, this, [this]() {
-    progress_->Abort();
-    ShowState();
-  });
+  cancel_button_->setToolTip("End now and write no maps");
+  connect(cancel_button_, &QPushButton::clicked, this, std::move(cancel));
   buttons->addWidget(cancel_button_);
   ShowEnd();
 }

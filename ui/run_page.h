@@ -9,6 +9,7 @@
 #include <QProgressBar>
 #include <QPushButton>
 #include <QWidget>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -19,7 +20,8 @@ namespace structnerf {
 // and the buttons to pause and to end it.
 class RunPage : public QWidget {
  public:
-  explicit RunPage(QWidget* parent);
+  // `cancel` is called when the user wants the run to end.
+  RunPage(std::function<void()> cancel, QWidget* parent);
 
   // `progress` is used until ShowEnd() is called.
   void ShowBegin(const std::vector<std::string>& image_names,

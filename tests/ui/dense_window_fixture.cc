@@ -35,7 +35,8 @@ DenseWindowFixture::DenseWindowFixture() {
   options_.quality = "low";
   options_.reconstruction = QualityPreset("low");
   colmap::OptionManager manager;
-  *manager.image_path = *temp_dir_ / "room/images";
+  image_path_ = manager.image_path;
+  *image_path_ = *temp_dir_ / "room/images";
   window_ = std::make_unique<GuiWindow>(std::move(manager), &options_);
   window_->Show();
   EXPECT_TRUE(QTest::qWaitForWindowExposed(&window_->Window()));
@@ -48,6 +49,16 @@ std::string DenseWindowFixture::WorkspacePath() {
 
 QAction* DenseWindowFixture::Item() const {
   return window_->Window().findChild<QAction*>("structnerf_dense");
+}
+
+QAction* DenseWindowFixture::PauseAction() const {
+  for (QAction* action : window_->Window().findChildren<QAction*>()) {
+    if (action->text() == "Pause reconstruction") {
+      return action;
+    }
+  }
+  ADD_FAILURE() << "COLMAP's action was not found";
+  return nullptr;
 }
 
 colmap::ModelViewerWidget* DenseWindowFixture::Viewer() const {

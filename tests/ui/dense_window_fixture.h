@@ -34,6 +34,9 @@ class DenseWindowFixture : public testing::Test {
   static std::string WorkspacePath();
 
   QAction* Item() const;
+
+  // COLMAP's, which tells whether its mapper runs.
+  QAction* PauseAction() const;
   colmap::ModelViewerWidget* Viewer() const;
   QTabWidget* Tabs() const { return Find<QTabWidget>("tabs"); }
 
@@ -83,6 +86,10 @@ class DenseWindowFixture : public testing::Test {
 
   static std::unique_ptr<TempDir> temp_dir_;
   StructNerfOptions options_;
+
+  // Of the project.
+  decltype(colmap::OptionManager::image_path) image_path_;
+
   std::unique_ptr<GuiWindow> window_;
   std::string message_;
 };

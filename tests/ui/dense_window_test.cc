@@ -57,13 +57,7 @@ TEST_F(DenseWindowTest, TheItemIsThereAndEnabledWithAModel) {
   EXPECT_TRUE(QTest::qWaitFor([&]() { return item->isEnabled(); }));
   Screenshot(&window_->Window(), "main_window");
 
-  // COLMAP enables this one exactly while its mapper runs.
-  QAction* pause = nullptr;
-  for (QAction* action : window_->Window().findChildren<QAction*>()) {
-    if (action->text() == "Pause reconstruction") {
-      pause = action;
-    }
-  }
+  QAction* pause = PauseAction();
   ASSERT_NE(pause, nullptr);
   pause->setEnabled(true);
   EXPECT_TRUE(QTest::qWaitFor([&]() { return !item->isEnabled(); }));

@@ -9,6 +9,7 @@
 #include <QLineEdit>
 #include <QSpinBox>
 #include <QTest>
+#include <fstream>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -62,6 +63,29 @@ TEST(GuiArguments, ReachTheDialog) {
   const auto* expectation = window.Window().findChild<QLabel*>("expectation");
   EXPECT_THAT(expectation->text().toStdString(), HasSubstr("3 images"));
   EXPECT_THAT(expectation->text().toStdString(), HasSubstr("123 steps"));
+}
+
+TEST(GuiArguments, WinOverTheProject) {
+  const TempDir folder;
+  const std::string project_path = folder / "project.ini";
+  colmap::OptionManager manager;
+  manager.AddAllOptions();
+  manager.Write(project_path);
+  std::ofstream(project_path, std::ios::app)
+      << "[StructNeRF]\nquality=low\nnum_steps=12\nseed=3\n";
+  std::vector<std::string> args = {
+      "colmap", "--project_path", project_path, "--StructNeRF.num_steps=34"};
+  std::vector<char*> argv;
+  for (std::string& arg : args) {
+    argv.push_back(arg.data());
+  }
+  GuiArguments arguments;
+  ASSERT_TRUE(ParseGuiArguments(
+      static_cast<int>(argv.size()), argv.data(), &arguments));
+  EXPECT_EQ(arguments.options.quality, "low");
+  EXPECT_EQ(arguments.options.reconstruction.stereo.num_iterations, 0);
+  EXPECT_EQ(arguments.options.reconstruction.training.num_steps, 34);
+  EXPECT_EQ(arguments.options.reconstruction.training.seed, 3);
 }
 
 }  // namespace

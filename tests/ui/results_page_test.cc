@@ -58,7 +58,7 @@ TEST_F(ResultsPageTest, ACloudThatIsGoneIsNamedInADialog) {
     }
   });
   timer.start(50);
-  page_.ShowResults(report_, model_);
+  page_.ShowResults(report_, model_, /*shows_cloud=*/true);
   EXPECT_TRUE(QTest::qWaitFor([&]() { return !message.empty(); }));
   EXPECT_TRUE(page_.findChild<QPushButton*>("show_cloud")->isEnabled());
   EXPECT_THAT(message, HasSubstr("fused.ply"));

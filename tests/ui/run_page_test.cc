@@ -42,6 +42,7 @@ TEST_F(RunPageTest, RunsOnTheModelThatItShows) {
   Viewer()->reconstruction = nullptr;
   Click("start");
   ASSERT_TRUE(WaitForTraining());
+  AnswerMessage(QMessageBox::Discard, "message_cancel");
   Click("cancel");
   ASSERT_TRUE(WaitForTab(0));
 }
@@ -79,6 +80,7 @@ TEST_F(RunPageTest, LongStagesAnswerAtOnce) {
     EXPECT_LT(timer.elapsed(), kAnswerMilliseconds);
 
     timer.start();
+    AnswerMessage(QMessageBox::Discard, "message_cancel");
     Click("cancel");
     ASSERT_TRUE(WaitForTab(0));
     EXPECT_LT(timer.elapsed(), kAnswerMilliseconds);
@@ -100,10 +102,15 @@ TEST_F(RunPageTest, StopKeepsWhatWasLearned) {
   EXPECT_TRUE(fs::exists(WorkspacePath() + "/fused.ply"));
 }
 
-TEST_F(RunPageTest, CancelWritesNothing) {
+TEST_F(RunPageTest, CancelAsksAndWritesNothing) {
   ASSERT_TRUE(StartLongTraining());
+  AnswerMessage(QMessageBox::Cancel, "message_cancel");
+  Click("cancel");
+  EXPECT_THAT(message_, HasSubstr("has not ended"));
+  EXPECT_EQ(Tabs()->currentIndex(), 2);
   QElapsedTimer timer;
   timer.start();
+  AnswerMessage(QMessageBox::Discard, "message_cancel");
   Click("cancel");
   ASSERT_TRUE(WaitForTab(0));
   EXPECT_LT(timer.elapsed(), kAnswerMilliseconds);
@@ -111,24 +118,80 @@ TEST_F(RunPageTest, CancelWritesNothing) {
   EXPECT_TRUE(Find<QPushButton>("start")->isEnabled());
 }
 
+TEST_F(RunPageTest, WhatIsSavedIsGoneOnWith) {
+  ASSERT_TRUE(StartLongTraining());
+  AnswerMessage(QMessageBox::Save, "message_cancel");
+  Click("cancel");
+  ASSERT_TRUE(WaitForTab(0));
+  EXPECT_FALSE(fs::exists(WorkspacePath() + "/fused.ply"));
+  EXPECT_TRUE(QTest::qWaitFor([this]() {
+    return Log().contains("Start goes on from what was done");
+  })) << Log().toStdString();
+  Click("start");
+  ASSERT_TRUE(WaitForTraining());
+  EXPECT_TRUE(QTest::qWaitFor([this]() {
+    return Log().contains("Going on with the run");
+  })) << Log().toStdString();
+  Click("stop");
+  ASSERT_TRUE(WaitForTab(3)) << message_;
+}
+
+TEST_F(RunPageTest, StartWaitsForCOLMAPsMapper) {
+  OpenDialog();
+  auto* pause = PauseAction();
+  pause->setEnabled(true);
+  AnswerMessage(QMessageBox::Ok, "message_mapping");
+  Click("start");
+  EXPECT_TRUE(QTest::qWaitFor([&]() { return !message_.empty(); },
+                              kAnswerMilliseconds));
+  EXPECT_THAT(message_, HasSubstr("COLMAP is changing the model"));
+  EXPECT_EQ(Tabs()->currentIndex(), 0);
+  pause->setEnabled(false);
+}
+
+TEST_F(RunPageTest, AnotherProjectsImagesAreNotTakenUnseen) {
+  OpenDialog();
+  const auto* image_path = Find<QLineEdit>("image_path");
+  *image_path_ = *temp_dir_ / "other/images";
+  AnswerMessage(QMessageBox::Ok, "message_other_project");
+  Click("start");
+  EXPECT_TRUE(QTest::qWaitFor([&]() { return !message_.empty(); },
+                              kAnswerMilliseconds));
+  EXPECT_THAT(message_, HasSubstr("Another project"));
+  EXPECT_EQ(Tabs()->currentIndex(), 0);
+  EXPECT_EQ(image_path->text().toStdString(), *temp_dir_ / "other/images");
+  EXPECT_EQ(Find<QLineEdit>("workspace_path")->text().toStdString(),
+            *temp_dir_ / "other/dense_structnerf");
+}
+
+TEST_F(RunPageTest, TheCloudDoesNotTakeThePlaceOfAnotherModel) {
+  ASSERT_TRUE(StartLongTraining());
+  window_->Window().ImportReconstruction(*temp_dir_ / "room/sparse/0");
+  const auto shown = Viewer()->reconstruction;
+  Click("stop");
+  ASSERT_TRUE(WaitForTab(3)) << message_;
+  EXPECT_TRUE(Find<QPushButton>("show_cloud")->isEnabled());
+  EXPECT_EQ(Viewer()->reconstruction, shown);
+}
+
 TEST_F(RunPageTest, ClosingInTheMiddleAsks) {
   ASSERT_TRUE(StartLongTraining());
-  AnswerMessage(QMessageBox::No, "message_close");
+  AnswerMessage(QMessageBox::Cancel, "message_close");
   EXPECT_FALSE(Tabs()->window()->close());
   EXPECT_THAT(message_, HasSubstr("has not ended"));
   EXPECT_EQ(Tabs()->currentIndex(), 2);
-  AnswerMessage(QMessageBox::No, "message_close_main_window");
+  AnswerMessage(QMessageBox::Cancel, "message_close_main_window");
   EXPECT_FALSE(window_->Window().close());
-  // Yes to our question, but no to COLMAP's own.
+  // An end in our question, but no to COLMAP's own.
   OnMessage([this](QMessageBox* box) {
-    Answer(box, QMessageBox::Yes, "message_close_main_window");
+    Answer(box, QMessageBox::Discard, "message_close_main_window");
     AnswerMessage(QMessageBox::No, "message_quit");
   });
   EXPECT_FALSE(window_->Window().close());
   EXPECT_THAT(message_, HasSubstr("quit"));
   QTest::qWait(kAnswerMilliseconds);
   EXPECT_EQ(Tabs()->currentIndex(), 2);
-  AnswerMessage(QMessageBox::Yes, "message_close");
+  AnswerMessage(QMessageBox::Discard, "message_close");
   EXPECT_TRUE(Tabs()->window()->close());
   ASSERT_TRUE(WaitForTab(0));
   EXPECT_FALSE(fs::exists(WorkspacePath()));
@@ -137,7 +200,7 @@ TEST_F(RunPageTest, ClosingInTheMiddleAsks) {
 TEST_F(RunPageTest, ClosingTheMainWindowCancels) {
   ASSERT_TRUE(StartLongTraining());
   OnMessage([this](QMessageBox* box) {
-    Answer(box, QMessageBox::Yes, "message_close_main_window");
+    Answer(box, QMessageBox::Discard, "message_close_main_window");
     // COLMAP's own question.
     AnswerMessage(QMessageBox::Yes, "message_quit");
   });
@@ -156,7 +219,7 @@ TEST_F(RunPageTest, ARunMayEndWhileTheQuestionIsOpen) {
   OnMessage([this](QMessageBox* box) {
     Click("stop");
     EXPECT_TRUE(WaitForTab(3));
-    Answer(box, QMessageBox::Yes, "message_close");
+    Answer(box, QMessageBox::Discard, "message_close");
   });
   EXPECT_TRUE(Tabs()->window()->close());
   EXPECT_TRUE(fs::exists(WorkspacePath() + "/fused.ply"));
