@@ -37,7 +37,7 @@ bool ParseRenderCommand(const std::vector<std::string>& args,
                            "Value of the depth PNGs for one model unit");
   manager.AddDefaultOption("max_image_size",
                            &options->max_image_size,
-                           "Longest side in pixels; 0 = the camera's");
+                           "Longest side in pixels; -1 = the camera's");
   manager.AddDefaultOption("overwrite",
                            &options->overwrite,
                            "Replace frames of the same names; others stay");

@@ -9,6 +9,7 @@
 #include "colmap_plugin/staged_folder.h"
 #include "colmap_plugin/text_output.h"
 #include "colmap_plugin/trained_field.h"
+#include "nerf/checkpoint_options.h"
 #include "nerf/util/image_name.h"
 
 #include <algorithm>
@@ -47,6 +48,12 @@ class FrameRenderer {
     const std::vector<View> views = ChooseViews();
     WarnOfCamerasOutside(views);
     StagedFolder::UndoCommit(options_.output_path);
+    if (HasCheckpoint(StagedFolder::NotesPathOf(options_.output_path))) {
+      throw std::runtime_error(
+          "The folder " + options_.output_path +
+          " holds a run of structnerf_dense that can be gone on with; choose "
+          "another folder for the frames, or let the run end first.");
+    }
     StagedFolder staged(options_.output_path, /*resume=*/false);
     Render(views, staged.Path());
     staged.Commit();
@@ -167,10 +174,10 @@ void RenderOptions::Check() const {
                              std::to_string(kMaxFrames) + ", but is " +
                              std::to_string(num_frames) + ".");
   }
-  if (!(orbit_radius > 0) || !(depth_scale > 0) || max_image_size < 0) {
+  if (!(orbit_radius > 0) || !(depth_scale > 0) || max_image_size < -1) {
     throw std::runtime_error(
         "The options --orbit_radius and --depth_scale must be positive, "
-        "--max_image_size must not be negative.");
+        "--max_image_size must be positive, or -1 for the photographs' size.");
   }
   for (const char* const folder :
        {kColorFolder, kDepthFolder, kDepthColorFolder, kNormalFolder}) {

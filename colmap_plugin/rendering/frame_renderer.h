@@ -33,8 +33,8 @@ struct RenderOptions {
   // Value of the 16-bit depth images for one unit of the model.
   double depth_scale = 1000;
 
-  // Longest side of the frames in pixels; 0 = as the camera.
-  int max_image_size = 0;
+  // Longest side of the frames in pixels; -1 = as the camera.
+  int max_image_size = -1;
 
   // Whether frames that are there may be replaced by those of the same names.
   bool overwrite = false;

@@ -139,6 +139,17 @@ TEST_F(RenderTest, OneLineForBadInputAndNothingWritten) {
   expect_error({}, "does not exist", *temp_dir_ / "nowhere");
 }
 
+TEST_F(RenderTest, KeepsARunThatCanBeGoneOnWith) {
+  const std::string output_path = *temp_dir_ / "interrupted";
+  const std::string checkpoint =
+      StagedFolder::NotesPathOf(output_path) + "/checkpoint";
+  fs::create_directories(fs::path(checkpoint).parent_path());
+  std::ofstream(checkpoint) << "half";
+  EXPECT_THAT(Render("interrupted", {"--num_frames", "2"}).OnlyError(),
+              HasSubstr(output_path + " holds a run of structnerf_dense"));
+  EXPECT_TRUE(fs::exists(checkpoint));
+}
+
 TEST_F(RenderTest, KeepsFramesUnlessTold) {
   fs::create_directories(*temp_dir_ / "kept/color");
   std::ofstream(*temp_dir_ / "kept/color/frame_0000.png") << "mine";
