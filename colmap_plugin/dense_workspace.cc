@@ -253,10 +253,12 @@ void DenseWorkspace::WriteConfigs(
                  [&](std::ostream* stream) { *stream << fusion.str(); });
 }
 
-void DenseWorkspace::RemoveConfigsThatAreIn(const DenseWorkspace& other) const {
+void DenseWorkspace::CopyConfigsOf(const DenseWorkspace& other) const {
   for (const char* const name : {kPatchMatchConfig, kFusionConfig}) {
     if (fs::exists(other.ConfigPath(name))) {
-      fs::remove(ConfigPath(name));
+      fs::copy_file(other.ConfigPath(name),
+                    ConfigPath(name),
+                    fs::copy_options::overwrite_existing);
     }
   }
 }

@@ -88,8 +88,9 @@ class DenseWorkspace {
   void WriteConfigs(const std::vector<std::string>& image_names,
                     const std::vector<std::vector<int>>& source_idxs) const;
 
-  // Removes those of the two that `other` has.
-  void RemoveConfigsThatAreIn(const DenseWorkspace& other) const;
+  // Takes those of the two that `other` has from there: somebody may have
+  // chosen images or sources in them.
+  void CopyConfigsOf(const DenseWorkspace& other) const;
 
  private:
   std::string ConfigPath(const std::string& name) const;

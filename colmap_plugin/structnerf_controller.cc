@@ -399,6 +399,9 @@ void StructNerfController::FusePoints() {
   if (!note.empty()) {
     progress_->Note(note);
   }
+  if (!HasNewWorkspace()) {
+    workspace_->CopyConfigsOf(DenseWorkspace(options_.ResultPath()));
+  }
   const MapType map_type = options_.input_type == "geometric"
                                ? MapType::kGeometric
                                : MapType::kPhotometric;
@@ -427,10 +430,6 @@ void StructNerfController::WriteResults() {
     report_.options.emplace(entry.name, entry.Value());
   }
   WriteReport(report_, workspace_->ReportFolder());
-  if (!HasNewWorkspace() && !options_.overwrite) {
-    // Somebody may have chosen images or sources in them.
-    workspace_->RemoveConfigsThatAreIn(DenseWorkspace(options_.ResultPath()));
-  }
   staged_folder_->Commit();
   // Only now: a run that is killed while results are moved still needs them.
   DenseWorkspace(options_.ResultPath()).RemoveMatchedMaps();

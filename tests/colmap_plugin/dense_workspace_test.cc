@@ -175,18 +175,18 @@ TEST_F(DenseWorkspaceTest, ConfigsListSourcesByName) {
             "a.jpg\nsub/b.jpg\nc.jpg\n");
 }
 
-TEST_F(DenseWorkspaceTest, ConfigsOfAnotherWorkspaceAreLeftToIt) {
+TEST_F(DenseWorkspaceTest, ConfigsOfAnotherWorkspaceAreTaken) {
   workspace_.CreateFolders({"a.jpg"});
   workspace_.WriteConfigs({"a.jpg", "b.jpg"}, {{1}, {0}});
   const DenseWorkspace other(temp_dir_ / "other");
-  workspace_.RemoveConfigsThatAreIn(other);
-  EXPECT_TRUE(std::filesystem::exists(temp_dir_ / "dense/stereo/fusion.cfg"));
+  workspace_.CopyConfigsOf(other);
+  EXPECT_EQ(ReadText(temp_dir_ / "dense/stereo/fusion.cfg"), "a.jpg\nb.jpg\n");
   std::filesystem::create_directories(temp_dir_ / "other/stereo");
   std::ofstream(temp_dir_ / "other/stereo/fusion.cfg") << "a.jpg";
-  workspace_.RemoveConfigsThatAreIn(other);
-  EXPECT_FALSE(std::filesystem::exists(temp_dir_ / "dense/stereo/fusion.cfg"));
-  EXPECT_TRUE(
-      std::filesystem::exists(temp_dir_ / "dense/stereo/patch-match.cfg"));
+  workspace_.CopyConfigsOf(other);
+  EXPECT_EQ(ReadText(temp_dir_ / "dense/stereo/fusion.cfg"), "a.jpg");
+  EXPECT_EQ(ReadText(temp_dir_ / "dense/stereo/patch-match.cfg"),
+            "a.jpg\nb.jpg\nb.jpg\na.jpg\n");
 }
 
 TEST_F(DenseWorkspaceTest, CommaInNameLeavesSourcesToColmap) {
