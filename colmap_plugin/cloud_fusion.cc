@@ -37,7 +37,7 @@ constexpr double kPointsPerPixelGroup = 0.2;
 constexpr int kMinFusionImageSize = 320;
 
 // As colmap::WriteBinaryPlyPoints, which does not notice a full disk, but with
-// positions of any precision; COLMAP reads them all.
+// positions of any precision. COLMAP reads them all, and rounds them to float.
 template <typename Position>
 void WritePlyPoints(const std::vector<colmap::PlyPoint>& points,
                     const Eigen::Vector3d& offset,
@@ -112,9 +112,12 @@ void WriteCloud(const std::string& path,
 
 int MinNumPixels(const colmap::mvs::StereoFusionOptions& options,
                  const size_t num_views) {
-  return options.min_num_pixels > 0
-             ? options.min_num_pixels
-             : static_cast<int>(std::clamp<size_t>(num_views / 10, 2, 5));
+  if (options.min_num_pixels > 0) {
+    return options.min_num_pixels;
+  }
+  const auto wanted =
+      static_cast<int>(std::clamp<size_t>(num_views / 10, 2, 5));
+  return std::max(1, std::min(wanted, options.max_num_pixels));
 }
 
 void ForgetDefaultMinNumPixels(colmap::mvs::StereoFusionOptions* options) {

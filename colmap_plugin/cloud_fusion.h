@@ -13,9 +13,9 @@
 namespace structnerf {
 
 // StereoFusion's min_num_pixels; 0 stands for one in ten of the views, at least
-// 2 and at most COLMAP's default of 5. That default leaves the clouds of few
-// views nearly empty; pixels of geometric maps are confirmed by other views
-// already.
+// 2 and at most COLMAP's default of 5, or max_num_pixels if that is less. That
+// default leaves the clouds of few views nearly empty; pixels of geometric maps
+// are confirmed by other views already.
 int MinNumPixels(const colmap::mvs::StereoFusionOptions& options,
                  size_t num_views);
 

@@ -228,6 +228,9 @@ TEST(MinNumPixels, GrowsWithTheViewsUpToColmapsDefault) {
   EXPECT_EQ(MinNumPixels(options, 30), 3);
   EXPECT_EQ(MinNumPixels(options, 50), 5);
   EXPECT_EQ(MinNumPixels(options, 1000), 5);
+  options.max_num_pixels = 3;
+  EXPECT_EQ(MinNumPixels(options, 1000), 3);
+  options.max_num_pixels = colmap::mvs::StereoFusionOptions().max_num_pixels;
   options.min_num_pixels = 7;
   EXPECT_EQ(MinNumPixels(options, 50), 7);
 }
