@@ -150,7 +150,7 @@ bool TrainingOptions::Check(std::string* error) const {
       .In("grid_learning_rate", grid_learning_rate, 0.0, 1e3)
       .In("network_learning_rate", network_learning_rate, 0.0, 1e3)
       .In("final_learning_rate_factor", final_learning_rate_factor, 1e-6, 1.0)
-      .In("coarse_to_fine_fraction", coarse_to_fine_fraction, 0.0, 1.0)
+      .In("coarse_to_fine_fraction", coarse_to_fine_fraction, 0.0, 0.9)
       .In("test_every", test_every, 0, 1 << 30)
       .Require(test_every != 1, "test_every must be 0 (none) or at least 2")
       .Require(num_threads == -1 || num_threads > 0,

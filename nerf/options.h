@@ -184,8 +184,9 @@ struct TrainingOptions {
   double network_learning_rate = 4e-3;
   double final_learning_rate_factor = 0.1;
 
-  // Share of the training during which finer grid levels come in one after the
-  // other: coarse shape first, so that few views do not fit noise.
+  // Share of the training, at most 0.9, during which finer grid levels come in
+  // one after the other: coarse shape first, so that few views do not fit
+  // noise.
   double coarse_to_fine_fraction = 0.2;
 
   // Whether training hastens to its end once pixels that were held out of it

@@ -85,7 +85,7 @@ class FusedGrid {
   struct Scratch;
 
   // Sums up the gradient of one bucket and returns how many entries it
-  // touches, which scratch->entries then lists.
+  // touches, which scratch->touched_entries then lists.
   size_t SumBucket(size_t level, size_t bucket, Scratch* scratch) const;
 
   const FieldLayout& layout_;

@@ -56,15 +56,14 @@ LayerLayout AddLayer(const int num_inputs,
 FieldLayout::FieldLayout(const FieldOptions& options,
                          const Eigen::Vector3f& extent) {
   const int num_levels = options.num_levels;
-  const double growth =
-      num_levels == 1 ? 1.0
-                      : std::pow(static_cast<double>(options.max_resolution) /
-                                     options.min_resolution,
-                                 1.0 / (num_levels - 1));
+  // A single level is the finest.
+  const double min_resolution =
+      num_levels == 1 ? options.max_resolution : options.min_resolution;
+  const double growth = std::pow(options.max_resolution / min_resolution,
+                                 1.0 / std::max(1, num_levels - 1));
   for (int i = 0; i < num_levels; ++i) {
-    levels.push_back(MakeLevel(options.min_resolution * std::pow(growth, i),
-                               extent,
-                               options.log2_table_size));
+    levels.push_back(MakeLevel(
+        min_resolution * std::pow(growth, i), extent, options.log2_table_size));
     levels.back().first_entry = num_grid_entries;
     // Levels start at a multiple of eight entries, a whole number of cache
     // lines in every precision.

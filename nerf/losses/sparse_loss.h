@@ -36,8 +36,9 @@ struct SparseTarget {
   float weight = 0;     // of the term
 };
 
-// The first two forms at one ray: adds derivatives and returns the weighted
-// loss.
+// The first two forms at one ray: sets its derivatives by the weights
+// (RayGradients::pull, of which a ray has one) or adds those by depth, and
+// returns the weighted loss.
 //   unit: length that differences of depth are measured in, field units.
 float EvaluateLineOfSight(const SparseTarget& target,
                           const RayOutputs& outputs,

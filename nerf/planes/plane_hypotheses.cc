@@ -209,9 +209,11 @@ bool HypothesisFinder::CompareColors(const Segment& segment,
       return false;
     }
     rhos.push_back(rho);
-    excess += std::max(0.0f,
-                       ColorDifference(col, row, rho) -
-                           ColorDifference(col, row, view_.rho[pixel]));
+    if (view_.rho[pixel] > 0) {
+      excess += std::max(0.0f,
+                         ColorDifference(col, row, rho) -
+                             ColorDifference(col, row, view_.rho[pixel]));
+    }
   }
   excess /= static_cast<float>(count);
   if (excess > kMaxColorExcess) {

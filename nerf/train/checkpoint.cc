@@ -12,7 +12,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr FileFormat kFormat = {
-    {'S', 'N', 'C', 'H', 'E', 'C', 'K', '\0'}, /*version=*/2, "checkpoint"};
+    {'S', 'N', 'C', 'H', 'E', 'C', 'K', '\0'}, /*version=*/3, "checkpoint"};
 
 constexpr char kNewestName[] = "checkpoint.bin";
 constexpr char kOlderName[] = "checkpoint.older.bin";

@@ -218,14 +218,14 @@ void Trainer::ChooseTestPixels(const std::vector<int>& test_view_idxs) {
             views.IsMasked(view_idx, col, row)) {
           continue;
         }
-        const size_t place =
-            num_candidates < kMaxTestPixels
-                ? num_candidates
-                : random.NextBelow(static_cast<uint32_t>(num_candidates + 1));
         ++num_candidates;
-        if (place == test_pixels_.size()) {
+        if (test_pixels_.size() < kMaxTestPixels) {
           test_pixels_.push_back({view_idx, col, row});
-        } else if (place < kMaxTestPixels) {
+          continue;
+        }
+        const uint32_t place =
+            random.NextBelow(static_cast<uint32_t>(num_candidates));
+        if (place < kMaxTestPixels) {
           test_pixels_[place] = {view_idx, col, row};
         }
       }

@@ -44,7 +44,7 @@ bool TrainingGuards::EndStep(const int step,
   counts_["non_finite_gradient"] += !is_update_finite;
   counts_["non_finite_loss"] += !std::isfinite(loss);
   num_bad_steps_ += !is_update_finite || !std::isfinite(loss);
-  CountPatches();
+  CountPatches(next_step - step);
   if (num_bad_steps_ >= kMaxBadSteps) {
     Restore("losses or gradients were not finite");
   } else if (next_step / kSnapshotInterval > step / kSnapshotInterval) {
@@ -81,6 +81,7 @@ void TrainingGuards::SaveState(StateWriter* writer) const {
   writer->WriteArray(snapshot_.network);
   writer->WriteValue(num_bad_steps_);
   writer->WriteValue(num_steps_without_patch_);
+  writer->WriteValue(num_positions_without_patch_);
   writer->WriteValue(static_cast<uint64_t>(counts_.size()));
   for (const auto& [name, count] : counts_) {
     writer->WriteArray(name);
@@ -100,6 +101,7 @@ void TrainingGuards::LoadState(StateReader* reader) {
   snapshot_ = std::move(snapshot);
   num_bad_steps_ = reader->ReadValue<int>();
   num_steps_without_patch_ = reader->ReadValue<int>();
+  num_positions_without_patch_ = reader->ReadValue<int>();
   const auto num_counts = reader->ReadValue<uint64_t>();
   for (uint64_t i = 0; i < num_counts; ++i) {
     const auto name = reader->ReadArray<std::string>();
@@ -125,16 +127,18 @@ void TrainingGuards::Restore(const std::string& reason) {
   num_bad_steps_ = 0;
 }
 
-void TrainingGuards::CountPatches() {
+void TrainingGuards::CountPatches(const int num_positions) {
   const PatchCounts counts = objective_.CountPatches();
   const bool has_none = counts.drawn > patch_counts_.drawn &&
                         counts.compared == patch_counts_.compared;
   patch_counts_ = counts;
   counts_["step_without_valid_patch"] += has_none;
   num_steps_without_patch_ = has_none ? num_steps_without_patch_ + 1 : 0;
+  num_positions_without_patch_ =
+      has_none ? num_positions_without_patch_ + num_positions : 0;
   // Sparse points may have to bring the depths near the truth first.
   if (num_steps_without_patch_ > kMaxStepsWithoutPatch &&
-      2 * num_steps_without_patch_ > options_.training.num_steps) {
+      2 * num_positions_without_patch_ > options_.training.num_steps) {
     throw std::runtime_error(
         "training stopped: in " + std::to_string(num_steps_without_patch_) +
         " steps no image patch was seen by another view; the images are too "

@@ -24,7 +24,7 @@ namespace structnerf {
 //   outside of every source view
 //
 // Each is counted. Once there are more than kMaxRestores, kMaxRestarts, or
-// kMaxStepsWithoutPatch in a row that also are half of the training,
+// kMaxStepsWithoutPatch in a row that also are half of the schedule,
 // std::runtime_error says what was seen and what may be changed.
 class TrainingGuards {
  public:
@@ -67,7 +67,7 @@ class TrainingGuards {
 
  private:
   void Restore(const std::string& reason);
-  void CountPatches();
+  void CountPatches(int num_positions);
   bool IsDead(int step, int next_step) const;
 
   const TrainingObjective& objective_;
@@ -75,9 +75,10 @@ class TrainingGuards {
   RenderEngine* const engine_;
   double learning_rate_factor_ = 1;
   FieldParameters snapshot_;
-  int num_bad_steps_ = 0;            // since the last snapshot
-  int num_steps_without_patch_ = 0;  // in a row
-  PatchCounts patch_counts_;         // up to the last step
+  int num_bad_steps_ = 0;                // since the last snapshot
+  int num_steps_without_patch_ = 0;      // in a row
+  int num_positions_without_patch_ = 0;  // of the schedule, in these steps
+  PatchCounts patch_counts_;             // up to the last step
   std::map<std::string, int> counts_;
 };
 

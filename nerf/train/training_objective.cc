@@ -275,6 +275,7 @@ TrainingObjective::TrainingObjective(
     const bool is_guided)
     : loss_options_(loss_options),
       training_options_(training_options),
+      holds_out_views_(train_view_idxs.size() < scene.views.size()),
       num_tiles_((training_options.rays_per_step + kMaxTileRays - 1) /
                  kMaxTileRays),
       length_unit_(static_cast<float>(frame.median_depth)),
@@ -301,8 +302,7 @@ TrainingObjective::TrainingObjective(
 TrainingObjective::~TrainingObjective() = default;
 
 bool TrainingObjective::IsHeldOut(const int col, const int row) const {
-  return training_options_.test_every == 0 &&
-         col % kHeldOutStride == kHeldOutStride / 2 &&
+  return !holds_out_views_ && col % kHeldOutStride == kHeldOutStride / 2 &&
          row % kHeldOutStride == kHeldOutStride / 2;
 }
 

@@ -70,6 +70,7 @@ class TrainingObjective {
 
   const LossOptions loss_options_;
   const TrainingOptions training_options_;
+  const bool holds_out_views_;
   int num_tiles_ = 0;
   const float length_unit_;  // of differences of depth; field units
   const SparseForm sparse_form_;

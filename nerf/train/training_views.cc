@@ -71,8 +71,6 @@ void ViewGeometry::SetRay(const double x,
 }
 
 TrainingViews::TrainingViews(const Scene& scene, const SceneFrame& frame) {
-  // Byte offsets of grey values are 32 bits wide.
-  constexpr size_t kMaxPixels = size_t{1} << 30;
   size_t num_pixels = 0;
   for (const View& view : scene.views) {
     images_.push_back({view.image.width, view.image.height, num_pixels});
@@ -80,7 +78,7 @@ TrainingViews::TrainingViews(const Scene& scene, const SceneFrame& frame) {
     geometries_.emplace_back(view, view.ImageCamera(), frame);
     exposures_.push_back(view.exposure);
   }
-  if (num_pixels >= kMaxPixels) {
+  if (num_pixels > kMaxTrainingPixels) {
     throw std::invalid_argument(
         "the images to train on have 2^30 pixels or more in all; lower "
         "max_image_size");

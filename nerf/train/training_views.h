@@ -43,6 +43,10 @@ class ViewGeometry {
   double bounds_per_y_ = 0;
 };
 
+// Pixels that all images to train on may have together: byte offsets of grey
+// values are 32 bits wide.
+constexpr size_t kMaxTrainingPixels = (size_t{1} << 30) - 1;
+
 // All photographs at training resolution, packed for random access from many
 // threads.
 class TrainingViews {
@@ -50,10 +54,10 @@ class TrainingViews {
   struct Image {
     int width = 0;
     int height = 0;
-    size_t first_pixel = 0;  // into Colors() and Grays()
+    size_t first_pixel = 0;  // into Color() and Grays()
   };
 
-  // Throws std::invalid_argument if the images have 2^30 pixels or more in all.
+  // Throws std::invalid_argument if they have more than kMaxTrainingPixels.
   TrainingViews(const Scene& scene, const SceneFrame& frame);
 
   size_t size() const { return images_.size(); }

@@ -181,6 +181,18 @@ TEST_F(TrainingGuardsTest, LongTrainingMayBeWithoutValidPatchForHalfOfIt) {
   ExpectStop([&] { guards.EndStep(0, 1, 1.0, true); }, "in 501 steps");
 }
 
+// Of a schedule that a time limit goes through at four times its speed.
+TEST_F(TrainingGuardsTest, HalfOfAHurriedTrainingIsFewerSteps) {
+  options_.training.num_steps = 6000;
+  TrainingGuards guards = MakeGuards();
+  for (int i = 0; i < 750; ++i) {
+    Evaluate(1e-3f);
+    EXPECT_TRUE(guards.EndStep(4 * i, 4 * i + 4, 1.0, true));
+  }
+  Evaluate(1e-3f);
+  ExpectStop([&] { guards.EndStep(3000, 3004, 1.0, true); }, "in 751 steps");
+}
+
 TEST_F(TrainingGuardsTest, StepsWithoutValidPatchAreCountedUpToALimit) {
   options_.training.num_steps = 10;
   TrainingGuards guards = MakeGuards();
