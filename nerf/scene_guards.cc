@@ -1,6 +1,9 @@
 #include "nerf/scene_guards.h"
 
+#include "nerf/util/median.h"
+
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
@@ -17,6 +20,10 @@ constexpr int kMaxPlainRange = 2;
 // Largest distance between where a point is and where it was seen.
 constexpr double kMaxReprojectionError = 8;             // pixels
 constexpr double kMaxRelativeReprojectionError = 0.02;  // of the longer side
+
+// A camera is far from the others beyond this many times the distance from
+// their middle that half of cameras and points have.
+constexpr double kFarCamera = 10;
 
 // Points that contradict their views are worth a warning from this share on.
 constexpr double kManyContradictions = 0.1;
@@ -64,6 +71,36 @@ bool HasSingleColor(const View& view) {
   return has_pixel;
 }
 
+// Distance of each camera from the median of all, 1 = that of half of the
+// cameras or of half of the points, whichever is larger.
+std::vector<double> RelativeDistances(const Scene& scene) {
+  std::vector<Eigen::Vector3d> centers;
+  std::vector<double> coordinates[3];
+  for (const View& view : scene.views) {
+    centers.push_back(view.ProjectionCenter());
+    for (int axis = 0; axis < 3; ++axis) {
+      coordinates[axis].push_back(centers.back()[axis]);
+    }
+  }
+  const Eigen::Vector3d middle(Median(&coordinates[0]),
+                               Median(&coordinates[1]),
+                               Median(&coordinates[2]));
+  std::vector<double> distances;
+  for (const Eigen::Vector3d& center : centers) {
+    distances.push_back((center - middle).norm());
+  }
+  std::vector<double> of_points;
+  for (const SparsePoint& point : scene.points) {
+    of_points.push_back((point.xyz - middle).norm());
+  }
+  std::vector<double> of_cameras = distances;
+  const double unit = std::max(Median(&of_cameras), Median(&of_points));
+  for (double& distance : distances) {
+    distance = unit > 0 ? distance / unit : 0;
+  }
+  return distances;
+}
+
 }  // namespace
 
 int RemoveContradictoryPoints(Scene* scene) {
@@ -109,6 +146,8 @@ SceneFindings InspectScene(const Scene& scene,
   int& num_without_points = findings.counts["view_without_points"];
   int& num_without_baseline = findings.counts["view_without_baseline"];
   int& num_plain = findings.counts["view_of_single_color"];
+  int& num_far = findings.counts["view_far_from_others"];
+  const std::vector<double> distances = RelativeDistances(scene);
   for (size_t v = 0; v < scene.views.size(); ++v) {
     const std::string prefix = "image " + scene.views[v].name + " ";
     if (num_points[v] == 0) {
@@ -123,6 +162,14 @@ SceneFindings InspectScene(const Scene& scene,
       findings.warnings.push_back(prefix +
                                   "has no source view with a baseline; it is "
                                   "compared with nothing");
+    }
+    if (distances[v] > kFarCamera) {
+      ++num_far;
+      findings.warnings.push_back(
+          prefix + "stands " + std::to_string(std::lround(distances[v])) +
+          " times as far from the middle of the cameras as half of cameras and "
+          "points; the field has to span that. If it is registered wrongly, "
+          "remove it from the model");
     }
     if (HasSingleColor(scene.views[v])) {
       ++num_plain;

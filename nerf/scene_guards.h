@@ -23,9 +23,10 @@ struct SceneFindings {
 int RemoveContradictoryPoints(Scene* scene);
 
 // Looks for views without sparse points, views that no other one with a
-// baseline can be compared with (identical cameras, pure rotation), and views
-// of a single colour. `sources`: see SelectSourceViews. Throws
-// std::invalid_argument if no view has any source: nothing then tells depth.
+// baseline can be compared with (identical cameras, pure rotation), views of a
+// single colour, and cameras far from all others. `sources`: see
+// SelectSourceViews. Throws std::invalid_argument if no view has any source:
+// nothing then tells depth.
 //   num_contradictory: see RemoveContradictoryPoints.
 SceneFindings InspectScene(const Scene& scene,
                            const std::vector<std::vector<int>>& sources,

@@ -34,7 +34,7 @@ const std::vector<std::vector<int>> kAllSources = {{1, 2}, {0, 2}, {0, 1}};
 TEST(InspectScene, HealthyScene) {
   const SceneFindings findings = InspectScene(MakeScene(), kAllSources, 0);
   EXPECT_THAT(findings.warnings, IsEmpty());
-  EXPECT_EQ(findings.counts.size(), 4u);
+  EXPECT_EQ(findings.counts.size(), 5u);
   for (const auto& [name, count] : findings.counts) {
     EXPECT_EQ(count, 0) << name;
   }
@@ -98,6 +98,16 @@ TEST(InspectScene, ViewWithoutBaseline) {
   } catch (const std::invalid_argument& error) {
     EXPECT_THAT(error.what(), HasSubstr("all cameras stand in one place"));
   }
+}
+
+TEST(InspectScene, ViewFarFromTheOthers) {
+  Scene scene = MakeScene();
+  scene.views[2] = MakeView("2.jpg", MakeCamera(16, 12, 12), {45, 0, 0});
+  TexturedPlane().Photograph(16, 12, &scene.views[2]);
+  const SceneFindings findings = InspectScene(scene, kAllSources, 0);
+  EXPECT_THAT(findings.warnings,
+              ElementsAre(HasSubstr("image 2.jpg stands 11 times as far")));
+  EXPECT_EQ(findings.counts.at("view_far_from_others"), 1);
 }
 
 TEST(InspectScene, ViewOfSingleColor) {
