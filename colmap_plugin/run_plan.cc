@@ -7,6 +7,7 @@
 #include "colmap_plugin/text_output.h"
 #include "nerf/dense_maps.h"
 #include "nerf/reconstructor.h"
+#include "nerf/train/training_views.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -47,6 +48,63 @@ constexpr size_t kOverheadBytes = size_t{64} << 20;
 
 constexpr int kMinTrainingImageSize = 64;
 
+// What does not depend on the size of the images that are trained on.
+struct FixedBytes {
+  size_t base = 0;          // held already
+  size_t undistortion = 0;  // while it lasts, 0 if there is none
+  size_t image = 0;         // one, while it is decoded
+  size_t min_maps = 0;      // fewest that must be held at once
+  size_t all_maps = 0;
+  size_t check = 0;  // of one view against others
+};
+
+PinholeCamera LargestCamera(const std::vector<PinholeCamera>& cameras) {
+  PinholeCamera largest;
+  for (const PinholeCamera& camera : cameras) {
+    largest.width = std::max(largest.width, camera.width);
+    largest.height = std::max(largest.height, camera.height);
+  }
+  return largest;
+}
+
+size_t TotalPixels(const std::vector<PinholeCamera>& cameras,
+                   const int max_image_size) {
+  size_t num_pixels = 0;
+  for (const PinholeCamera& camera : cameras) {
+    num_pixels += camera.Reduced(max_image_size).NumPixels();
+  }
+  return num_pixels;
+}
+
+// With these threads.
+size_t ImagesAtOnce(const std::vector<PinholeCamera>& cameras,
+                    const int num_threads) {
+  return std::max<size_t>(
+      1,
+      std::min<size_t>(colmap::GetEffectiveNumThreads(num_threads),
+                       cameras.size()));
+}
+
+FixedBytes FixedBytesOf(const StructNerfOptions& options,
+                        const std::vector<PinholeCamera>& cameras,
+                        const PinholeCamera& largest) {
+  const size_t num_pixels = largest.NumPixels();
+  const size_t num_sources = options.reconstruction.loss.num_sources;
+  FixedBytes bytes;
+  bytes.base = CurrentMemory();
+  bytes.image = std::max<size_t>(1, num_pixels * kDecodingBytesPerPixel);
+  // COLMAP does so on all cores.
+  bytes.undistortion = options.workspace_path.empty()
+                           ? ImagesAtOnce(cameras, -1) * bytes.image
+                           : 0;
+  bytes.min_maps = num_pixels * (kDenseBytesPerPixel +
+                                 (num_sources + 1) * kStereoBytesPerPixel);
+  bytes.all_maps = cameras.size() * num_pixels * kStereoBytesPerPixel;
+  bytes.check = num_pixels * (kCheckBytesPerPixel +
+                              num_sources * kCheckBytesPerPixelAndSource);
+  return bytes;
+}
+
 }  // namespace
 
 std::vector<PinholeCamera> UndistortedCameras(
@@ -67,64 +125,43 @@ std::vector<PinholeCamera> UndistortedCameras(
 
 MemoryPlan PlanMemory(const StructNerfOptions& options,
                       const std::vector<PinholeCamera>& cameras) {
-  PinholeCamera largest;
-  for (const PinholeCamera& camera : cameras) {
-    largest.width = std::max(largest.width, camera.width);
-    largest.height = std::max(largest.height, camera.height);
-  }
-  const size_t num_pixels = largest.NumPixels();
-  const size_t num_sources = options.reconstruction.loss.num_sources;
-  const size_t min_map_bytes =
-      num_pixels *
-      (kDenseBytesPerPixel + (num_sources + 1) * kStereoBytesPerPixel);
-  const size_t check_bytes =
-      num_pixels *
-      (kCheckBytesPerPixel + num_sources * kCheckBytesPerPixelAndSource);
-  const size_t image_bytes =
-      std::max<size_t>(1, num_pixels * kDecodingBytesPerPixel);
-  const auto max_images_at_once = [&](const int num_threads) {
-    return std::max<size_t>(
-        1,
-        std::min<size_t>(colmap::GetEffectiveNumThreads(num_threads),
-                         cameras.size()));
-  };
-  const size_t max_num_decoded =
-      max_images_at_once(options.reconstruction.training.num_threads);
-  // COLMAP does so on all cores.
-  const size_t undistortion_bytes =
-      options.workspace_path.empty() ? max_images_at_once(-1) * image_bytes : 0;
-  const size_t base_bytes = CurrentMemory();
-  const size_t present_bytes = base_bytes + kOverheadBytes;
-
-  MemoryPlan plan;
-  plan.limit = MemoryLimit(options.max_memory_gb);
+  const PinholeCamera largest = LargestCamera(cameras);
+  const FixedBytes fixed = FixedBytesOf(options, cameras, largest);
   ReconstructionOptions reduced = options.reconstruction;
   int& image_size = reduced.training.max_image_size;
   image_size = std::min(image_size, std::max(largest.width, largest.height));
   const int wanted_image_size = image_size;
+  while (TotalPixels(cameras, image_size) > kMaxTrainingPixels) {
+    image_size = image_size * 3 / 4;
+  }
+  const int allowed_image_size = image_size;
+
+  MemoryPlan plan;
+  plan.limit = MemoryLimit(options.max_memory_gb);
   while (true) {
     const size_t training_bytes =
         Reconstructor::EstimateMemory(reduced, cameras.size(), largest);
     // Views are checked when the training's memory is free again.
-    const size_t largest_bytes = std::max(training_bytes, check_bytes);
+    const size_t largest_bytes = std::max(training_bytes, fixed.check);
+    const size_t present_bytes = fixed.base + kOverheadBytes;
     const size_t needed_bytes =
         present_bytes +
-        std::max(undistortion_bytes, largest_bytes + min_map_bytes);
+        std::max(fixed.undistortion, largest_bytes + fixed.min_maps);
     if (needed_bytes <= plan.limit) {
       plan.depth_map_bytes =
           plan.limit - std::min(plan.limit, present_bytes + largest_bytes);
       const size_t num_decoded = std::clamp<size_t>(
-          plan.depth_map_bytes / image_bytes, 1, max_num_decoded);
+          plan.depth_map_bytes / fixed.image,
+          1,
+          ImagesAtOnce(cameras, reduced.training.num_threads));
       plan.num_decoded_images = static_cast<int>(num_decoded);
-      const size_t all_maps_bytes =
-          cameras.size() * num_pixels * kStereoBytesPerPixel;
       plan.expected = std::min(
           plan.limit,
-          base_bytes +
-              std::max({undistortion_bytes,
-                        training_bytes + num_decoded * image_bytes,
+          fixed.base +
+              std::max({fixed.undistortion,
+                        training_bytes + num_decoded * fixed.image,
                         largest_bytes +
-                            std::min(all_maps_bytes, plan.depth_map_bytes),
+                            std::min(fixed.all_maps, plan.depth_map_bytes),
                         EstimateFusionMemory(options.fusion, cameras)}));
       break;
     }
@@ -141,8 +178,11 @@ MemoryPlan PlanMemory(const StructNerfOptions& options,
   if (image_size != wanted_image_size) {
     plan.note = "Images are reduced to " + std::to_string(image_size) +
                 " instead of " + std::to_string(wanted_image_size) +
-                " pixels to stay within " + BytesText(plan.limit) +
-                " of memory (--StructNeRF.max_memory_gb).";
+                " pixels " +
+                (image_size == allowed_image_size
+                     ? "because all together may have no more than 2^30."
+                     : "to stay within " + BytesText(plan.limit) +
+                           " of memory (--StructNeRF.max_memory_gb).");
   }
   return plan;
 }

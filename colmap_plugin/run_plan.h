@@ -28,7 +28,8 @@ struct MemoryPlan {
 };
 
 // Reduces the size of the training images, and how many of them are read at
-// once, until the run stays within the memory limit. Nothing in the options may
+// once, until the run stays within the memory limit and kMaxTrainingPixels.
+// Nothing in the options may
 // be kFromScene (AnalyzeScene). Throws std::runtime_error if even the smallest
 // does not.
 MemoryPlan PlanMemory(const StructNerfOptions& options,

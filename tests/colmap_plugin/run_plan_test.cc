@@ -71,6 +71,15 @@ TEST(PlanMemory, ReducesImagesAndSaysSo) {
   EXPECT_THAT(plan.note, HasSubstr("2000"));
 }
 
+TEST(PlanMemory, KeepsThePixelsThatCanBeTrainedOn) {
+  StructNerfOptions options;
+  options.reconstruction.training.max_image_size = 1600;
+  options.max_memory_gb = 1000;
+  const MemoryPlan plan = PlanMemory(options, MakeCameras(600));
+  EXPECT_EQ(plan.max_image_size, 1200);
+  EXPECT_THAT(plan.note, HasSubstr("1200 instead of 1600 pixels because"));
+}
+
 TEST(PlanMemory, ReadsAsManyImagesAtOnceAsFit) {
   StructNerfOptions options;
   options.workspace_path = "dense";
