@@ -83,8 +83,14 @@ void MapMaker::CheckConsistency(
     std::vector<int> required = source_views[i];
     required.push_back(static_cast<int>(i));
     const std::vector<DenseMaps>& all_maps = depth_maps_.Require(required);
-    const ViewConsistency consistency = structnerf::CheckConsistency(
-        *scene_, all_maps, i, source_views[i], options_.extraction, &pool);
+    const ViewConsistency consistency =
+        structnerf::CheckConsistency(*scene_,
+                                     all_maps,
+                                     i,
+                                     source_views[i],
+                                     options_.extraction,
+                                     &pool,
+                                     stage->Inner());
 
     const DenseMaps& photometric = all_maps[i];
     workspace_->WriteConfidence(

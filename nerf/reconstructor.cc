@@ -115,7 +115,9 @@ class Reconstructor::Impl {
       throw std::invalid_argument(
           "test_every leaves fewer than two images to train on");
     }
-    sources = SelectSourceViews(scene, options.loss.num_sources);
+    // Held-out views must not guide others.
+    sources =
+        SelectSourceViews(scene, options.loss.num_sources, train_view_idxs);
     const std::vector<std::vector<int>> training_sources =
         SelectTrainingSources(sources, options.loss, train_view_idxs);
     findings = InspectScene(scene, sources, num_contradictory);
@@ -259,7 +261,7 @@ DenseMaps Reconstructor::RenderView(const size_t view_idx,
   const View& view = impl_->scene.views.at(view_idx);
   DenseMaps maps =
       RenderDepth(view, impl_->frame, impl_->engine.get(), progress);
-  EstimateNormals(view.camera, impl_->pool.get(), &maps);
+  EstimateNormals(view.camera, impl_->pool.get(), progress, &maps);
   if (impl_->options.stereo.num_iterations > 0) {
     RefineDepth(view,
                 static_cast<int>(view_idx),

@@ -80,8 +80,10 @@ double TriangulationAngle(const Eigen::Vector3d& center1,
   return std::atan2(ray1.cross(ray2).norm(), ray1.dot(ray2));
 }
 
-std::vector<std::vector<int>> SelectSourceViews(const Scene& scene,
-                                                const int num_sources) {
+std::vector<std::vector<int>> SelectSourceViews(
+    const Scene& scene,
+    const int num_sources,
+    const std::vector<int>& candidates) {
   const size_t num_views = scene.views.size();
   std::vector<Eigen::Vector3d> centers(num_views);
   for (size_t i = 0; i < num_views; ++i) {
@@ -121,8 +123,11 @@ std::vector<std::vector<int>> SelectSourceViews(const Scene& scene,
             kProximityScale * cos_angle / (1.0 + distance / typical_depth);
       }
     }
-    std::vector<int> order(num_views);
-    std::iota(order.begin(), order.end(), 0);
+    std::vector<int> order = candidates;
+    if (candidates.empty()) {
+      order.resize(num_views);
+      std::iota(order.begin(), order.end(), 0);
+    }
     std::stable_sort(order.begin(), order.end(), [&](const int a, const int b) {
       return row[a] > row[b];
     });
@@ -144,17 +149,7 @@ std::vector<std::vector<int>> SelectTrainingSources(
     return SelectNeighborViews(
         sources.size(), train_view_idxs, options.num_sources);
   }
-  std::vector<std::vector<int>> training_sources = sources;
-  for (std::vector<int>& view_sources : training_sources) {
-    const auto is_held_out = [&](const int source) {
-      return !std::binary_search(
-          train_view_idxs.begin(), train_view_idxs.end(), source);
-    };
-    view_sources.erase(
-        std::remove_if(view_sources.begin(), view_sources.end(), is_held_out),
-        view_sources.end());
-  }
-  return training_sources;
+  return sources;
 }
 
 bool IsHeldOut(const size_t view_idx, const int test_every) {

@@ -17,17 +17,19 @@ double TriangulationAngle(const Eigen::Vector3d& center1,
                           const Eigen::Vector3d& center2,
                           const Eigen::Vector3d& xyz);
 
-// Source views for each view, best first, at most `num_sources`. A source is
+// Source views for each view, best first, at most `num_sources`, out of
+// `candidates` (ascending; empty = all views). A source is
 // good if it shares many sparse points that are seen from it under a useful
 // angle: the score sums, over shared points, a weight that rises with the
 // triangulation angle up to 5 degrees and falls slowly beyond (as the matching
 // cost of patches does). Views that share too few points are filled up with
 // cameras close by that look the same way. File names play no role.
-std::vector<std::vector<int>> SelectSourceViews(const Scene& scene,
-                                                int num_sources);
+std::vector<std::vector<int>> SelectSourceViews(
+    const Scene& scene,
+    int num_sources,
+    const std::vector<int>& candidates = {});
 
-// Sources of the patch loss: those of `sources` (as selected above) that are
-// trained on, since held-out views must not guide others; or, if
+// Sources of the patch loss: `sources` (as selected above) or, if
 // `options.source_selection` says so, the neighbours in the order of the views,
 // as the paper has it for frames of a video: options.num_sources / 2 before and
 // as many after each view, nearest first, where there are so many.

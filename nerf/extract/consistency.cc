@@ -4,6 +4,7 @@
 #include "nerf/pixel_transfer.h"
 #include "nerf/util/median.h"
 #include "nerf/view_selection.h"
+#include "nerf/watched_loop.h"
 
 #include <algorithm>
 #include <cmath>
@@ -99,7 +100,8 @@ ViewConsistency CheckConsistency(const Scene& scene,
                                  const size_t view_idx,
                                  const std::vector<int>& source_view_idxs,
                                  const ExtractionOptions& options,
-                                 ThreadPool* pool) {
+                                 ThreadPool* pool,
+                                 Progress* progress) {
   std::vector<int> ascending = source_view_idxs;
   std::sort(ascending.begin(), ascending.end());
   std::vector<Source> sources;
@@ -115,7 +117,7 @@ ViewConsistency CheckConsistency(const Scene& scene,
   ViewConsistency consistency;
   consistency.angles.assign(reference.depth.size(), 0.0f);
   std::vector<std::vector<ConsistencyRecord>> rows(reference.height);
-  pool->ParallelFor(rows.size(), [&](const size_t item, int) {
+  WatchedParallelFor(rows.size(), pool, progress, [&](const size_t item, int) {
     const int row = static_cast<int>(item);
     ConsistencyRecord record;
     record.row = row;

@@ -2,6 +2,7 @@
 
 #include "nerf/dense_maps.h"
 #include "nerf/options.h"
+#include "nerf/progress.h"
 #include "nerf/scene.h"
 #include "nerf/util/thread_pool.h"
 
@@ -26,12 +27,14 @@ struct ViewConsistency {
 // back (forward-backward reprojection, within the limits of `options`; that in
 // pixels is for maps of the reference size, see nerf/extract/map_resolution.h).
 // `maps`: of all views; those of the view and of its sources must be present.
+// Throws Aborted if told to.
 ViewConsistency CheckConsistency(const Scene& scene,
                                  const std::vector<DenseMaps>& maps,
                                  size_t view_idx,
                                  const std::vector<int>& source_view_idxs,
                                  const ExtractionOptions& options,
-                                 ThreadPool* pool);
+                                 ThreadPool* pool,
+                                 Progress* progress);
 
 // Whether each pixel of a view so wide is in the records: 1 or 0. Row-major.
 std::vector<uint8_t> ConfirmedPixels(const ViewConsistency& consistency,

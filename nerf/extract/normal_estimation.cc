@@ -1,6 +1,7 @@
 #include "nerf/extract/normal_estimation.h"
 
 #include "nerf/extract/map_resolution.h"
+#include "nerf/watched_loop.h"
 
 #include <algorithm>
 #include <cmath>
@@ -95,24 +96,31 @@ void EstimateRow(const PinholeCamera& camera, const int row, DenseMaps* maps) {
   }
 }
 
+void ClearNormals(DenseMaps* maps) {
+  maps->normal.assign(3 * static_cast<size_t>(maps->width) * maps->height,
+                      0.0f);
+}
+
 }  // namespace
+
+void EstimateNormals(const PinholeCamera& camera, DenseMaps* maps) {
+  ClearNormals(maps);
+  for (int row = 0; row < maps->height; ++row) {
+    EstimateRow(camera, row, maps);
+  }
+}
 
 void EstimateNormals(const PinholeCamera& camera,
                      ThreadPool* pool,
+                     Progress* progress,
                      DenseMaps* maps) {
-  maps->normal.assign(3 * static_cast<size_t>(maps->width) * maps->height,
-                      0.0f);
-  const auto estimate_row = [&](const size_t row, int) {
-    EstimateRow(camera, static_cast<int>(row), maps);
-  };
-  const size_t num_rows = static_cast<size_t>(maps->height);
-  if (pool != nullptr) {
-    pool->ParallelFor(num_rows, estimate_row);
-  } else {
-    for (size_t row = 0; row < num_rows; ++row) {
-      estimate_row(row, 0);
-    }
-  }
+  ClearNormals(maps);
+  WatchedParallelFor(static_cast<size_t>(maps->height),
+                     pool,
+                     progress,
+                     [&](const size_t row, int) {
+                       EstimateRow(camera, static_cast<int>(row), maps);
+                     });
 }
 
 }  // namespace structnerf

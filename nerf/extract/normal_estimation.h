@@ -1,6 +1,7 @@
 #pragma once
 
 #include "nerf/dense_maps.h"
+#include "nerf/progress.h"
 #include "nerf/scene.h"
 #include "nerf/util/thread_pool.h"
 
@@ -10,10 +11,14 @@ namespace structnerf {
 // in the image coordinates of a pinhole camera, so a weighted least-squares fit
 // of rho = a x + b y + c (normalised coordinates) around each pixel gives the
 // normal -(a, b, c), normalised. Neighbours of another depth do not count, so
-// edges stay sharp. `pool` may be used by nobody else at that time; null = the
-// calling thread does it alone.
+// edges stay sharp.
+void EstimateNormals(const PinholeCamera& camera, DenseMaps* maps);
+
+// The same on all threads. `pool` may be used by nobody else at that time.
+// Throws Aborted if told to.
 void EstimateNormals(const PinholeCamera& camera,
                      ThreadPool* pool,
+                     Progress* progress,
                      DenseMaps* maps);
 
 }  // namespace structnerf

@@ -46,7 +46,7 @@ RenderedView RenderPixelCenters(const View& view,
   PinholeCamera centered = camera;
   centered.cx -= 0.5;
   centered.cy -= 0.5;
-  EstimateNormals(centered, /*pool=*/nullptr, &maps);
+  EstimateNormals(centered, &maps);
   return {maps.width,
           maps.height,
           std::move(color),

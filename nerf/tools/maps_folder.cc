@@ -183,8 +183,14 @@ MapsSummary ReconstructIntoFolder(
     WriteMaps(folder, name, "photometric", maps);
     summary.num_pixels += maps.depth.size();
     summary.num_photometric += NumDepths(maps);
-    const ViewConsistency consistency = CheckConsistency(
-        poses, all_maps, i, reconstructor.SourceViews()[i], extraction, &pool);
+    const ViewConsistency consistency =
+        CheckConsistency(poses,
+                         all_maps,
+                         i,
+                         reconstructor.SourceViews()[i],
+                         extraction,
+                         &pool,
+                         progress);
     const auto is_confirmed = ConfirmedPixels(consistency, maps.width);
     KeepOnly([&](const size_t pixel) { return is_confirmed[pixel] != 0; },
              &maps);

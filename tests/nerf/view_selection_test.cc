@@ -169,15 +169,27 @@ TEST(SelectSourceViews, NoViews) {
   EXPECT_THAT(SelectSourceViews(Scene(), 4), IsEmpty());
 }
 
-TEST(SelectTrainingSources, HeldOutViewsGuideNoOthers) {
-  const std::vector<std::vector<int>> sources = {
-      {2, 1, 3}, {0, 2}, {3}, {1, 0}};
-  const auto training_sources =
-      SelectTrainingSources(sources, LossOptions(), {0, 2, 3});
-  EXPECT_THAT(training_sources[0], ElementsAre(2, 3));
-  EXPECT_THAT(training_sources[1], ElementsAre(0, 2));
-  EXPECT_THAT(training_sources[2], ElementsAre(3));
-  EXPECT_THAT(training_sources[3], ElementsAre(0));
+// Not only left out: others take their places.
+TEST(SelectSourceViews, OnlyCandidatesAreChosen) {
+  Scene scene;
+  for (int v = 0; v < 6; ++v) {
+    scene.views.push_back(
+        MakeView(std::to_string(v), MakeCamera(16, 12, 12), {0.2 * v, 0, 0}));
+  }
+  scene.points = {MakePoint(scene, {0, 0, 4}, {0, 1, 2, 3, 4, 5})};
+  const auto all = SelectSourceViews(scene, 2);
+  EXPECT_THAT(all[0], ElementsAre(2, 1));
+  const auto sources = SelectSourceViews(scene, 2, {0, 1, 3, 4, 5});
+  EXPECT_THAT(sources[0], ElementsAre(1, 3));
+  for (const std::vector<int>& of_view : sources) {
+    EXPECT_THAT(of_view, testing::SizeIs(2));
+    EXPECT_THAT(of_view, testing::Not(testing::Contains(2)));
+  }
+}
+
+TEST(SelectTrainingSources, CovisibleOnesAreThoseThatWereSelected) {
+  const std::vector<std::vector<int>> sources = {{2, 1}, {0}, {1, 0}};
+  EXPECT_EQ(SelectTrainingSources(sources, LossOptions(), {0, 1, 2}), sources);
 }
 
 TEST(SelectTrainingSources, NeighborsAreTwoOnEachSide) {

@@ -59,7 +59,8 @@ struct PlaneMaps {
 
   ViewConsistency Check(const std::vector<int>& sources) const {
     ThreadPool pool(2);
-    return CheckConsistency(scene, maps, 0, sources, options, &pool);
+    Progress progress;
+    return CheckConsistency(scene, maps, 0, sources, options, &pool, &progress);
   }
 
   // View indices by pixel.

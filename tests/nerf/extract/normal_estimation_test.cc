@@ -84,7 +84,7 @@ TEST(EstimateNormals, PlanesAtAnyScale) {
       DenseMaps maps = MakeMaps([&](const int col, const int row) {
         return PlaneDepth(normal, 3 * scale, col, row);
       });
-      EstimateNormals(TestCamera(), /*pool=*/nullptr, &maps);
+      EstimateNormals(TestCamera(), &maps);
       ExpectUnitAndFacing(maps);
       for (int row = 0; row < kHeight; ++row) {
         for (int col = 0; col < kWidth; ++col) {
@@ -106,7 +106,7 @@ TEST(EstimateNormals, GrazingPlane) {
         (col - camera.cx) / camera.fx, (row - camera.cy) / camera.fy, 1);
     return -1.5 / normal.dot(ray);
   });
-  EstimateNormals(camera, /*pool=*/nullptr, &maps);
+  EstimateNormals(camera, &maps);
   for (int row = 0; row < kHeight; ++row) {
     for (int col = 0; col < kWidth; ++col) {
       EXPECT_LT(AngleInDegrees(Normal(maps, col, row), normal), 1.0)
@@ -126,7 +126,7 @@ TEST(EstimateNormals, StepEdgesStaySharp) {
     return col <= 20 ? PlaneDepth(left, left_distance, col, row)
                      : PlaneDepth(right, right_distance, col, row);
   });
-  EstimateNormals(TestCamera(), /*pool=*/nullptr, &maps);
+  EstimateNormals(TestCamera(), &maps);
   ExpectUnitAndFacing(maps);
   for (int row = 10; row < 20; ++row) {
     for (int col = 0; col < kWidth; ++col) {
@@ -141,7 +141,7 @@ TEST(EstimateNormals, IsolatedPixelFacesTheCamera) {
   DenseMaps maps = MakeMaps([](const int col, const int row) {
     return col == 30 && row == 5 ? 2.0 : 0.0;
   });
-  EstimateNormals(TestCamera(), /*pool=*/nullptr, &maps);
+  EstimateNormals(TestCamera(), &maps);
   ExpectUnitAndFacing(maps);
   EXPECT_LT(AngleInDegrees(Normal(maps, 30, 5), {0, 0, -1}), 20);
 }
@@ -152,7 +152,7 @@ TEST(EstimateNormals, PixelsAroundHolesKeepTheirNormal) {
     const bool is_hole = (col * 7 + row * 5) % 3 == 0 || std::abs(col - 20) < 3;
     return is_hole ? 0 : PlaneDepth(normal, 3, col, row);
   });
-  EstimateNormals(TestCamera(), /*pool=*/nullptr, &maps);
+  EstimateNormals(TestCamera(), &maps);
   ExpectUnitAndFacing(maps);
   for (int row = 0; row < kHeight; ++row) {
     for (int col = 0; col < kWidth; ++col) {
@@ -172,7 +172,7 @@ TEST(EstimateNormals, NoisyDepthIsSmoothed) {
     const double noise = 0.002 * std::sin(12.9 * col + 78.2 * row);
     return PlaneDepth(normal, 3, col, row) * (1 + noise);
   });
-  EstimateNormals(TestCamera(), /*pool=*/nullptr, &maps);
+  EstimateNormals(TestCamera(), &maps);
   for (int row = 8; row < kHeight - 8; ++row) {
     for (int col = 8; col < kWidth - 8; ++col) {
       EXPECT_LT(AngleInDegrees(Normal(maps, col, row), normal), 3);
@@ -196,7 +196,7 @@ TEST(EstimateNormals, LargeMapsAreLookedAtFromFarther) {
           -3 / normal.dot(Eigen::Vector3d(x / camera.fx, 0, 1))));
     }
   }
-  EstimateNormals(camera, /*pool=*/nullptr, &maps);
+  EstimateNormals(camera, &maps);
   const size_t plane = maps.depth.size();
   for (int col = 50; col < 500; ++col) {
     const size_t pixel = 30 * static_cast<size_t>(maps.width) + col;
@@ -212,7 +212,7 @@ TEST(EstimateNormals, WildDepthsGiveUnitNormals) {
   DenseMaps maps = MakeMaps([](const int col, const int row) {
     return std::pow(10.0, (7 * col + 11 * row) % 13 - 6);
   });
-  EstimateNormals(TestCamera(), /*pool=*/nullptr, &maps);
+  EstimateNormals(TestCamera(), &maps);
   ExpectUnitAndFacing(maps);
 }
 
@@ -221,10 +221,21 @@ TEST(EstimateNormals, AreTheSameOnAnyNumberOfThreads) {
     return 2 + 0.01 * ((col * 7919 + row * 104729) % 97);
   });
   DenseMaps others = maps;
-  EstimateNormals(TestCamera(), /*pool=*/nullptr, &maps);
+  EstimateNormals(TestCamera(), &maps);
   ThreadPool pool(3);
-  EstimateNormals(TestCamera(), &pool, &others);
+  Progress progress;
+  EstimateNormals(TestCamera(), &pool, &progress, &others);
   EXPECT_EQ(others.normal, maps.normal);
+}
+
+TEST(EstimateNormals, EndsWhenToldTo) {
+  class AbortingProgress : public Progress {
+    bool ShouldAbort() override { return true; }
+  };
+  DenseMaps maps = MakeMaps([](int, int) { return 2.0; });
+  ThreadPool pool(2);
+  AbortingProgress progress;
+  EXPECT_THROW(EstimateNormals(TestCamera(), &pool, &progress, &maps), Aborted);
 }
 
 TEST(EstimateNormals, OnePixel) {
@@ -232,7 +243,7 @@ TEST(EstimateNormals, OnePixel) {
   maps.width = 1;
   maps.height = 1;
   maps.depth = {2.0f};
-  EstimateNormals({1, 1, 5, 5, 0.5, 0.5}, /*pool=*/nullptr, &maps);
+  EstimateNormals({1, 1, 5, 5, 0.5, 0.5}, &maps);
   ASSERT_EQ(maps.normal.size(), 3u);
   EXPECT_LT(maps.normal[2], -0.9f);
 }
