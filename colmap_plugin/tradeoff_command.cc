@@ -1,7 +1,6 @@
 #include "colmap_plugin/command_line.h"
 #include "colmap_plugin/command_runner.h"
 #include "colmap_plugin/commands.h"
-#include "colmap_plugin/terminal_progress.h"
 #include "colmap_plugin/text_output.h"
 #include "colmap_plugin/tradeoff/tradeoff_report.h"
 #include "nerf/util/interrupts.h"

@@ -1,6 +1,5 @@
 #include "colmap_plugin/tradeoff/pareto_front.h"
 
-#include "colmap_plugin/terminal_progress.h"
 #include "colmap_plugin/text_output.h"
 
 #include <algorithm>
@@ -44,10 +43,13 @@ std::string TradeoffAdvice(const std::vector<TradeoffPoint>& points) {
                           return a.error < b.error;
                         });
   const TradeoffPoint* choice = &best;
-  for (const TradeoffPoint& point : points) {
+  const std::vector<bool> is_on_front = FindParetoFront(points);
+  for (size_t i = 0; i < points.size(); ++i) {
+    const TradeoffPoint& point = points[i];
     const double spread = std::max(point.max_error - point.min_error,
                                    best.max_error - best.min_error);
-    if (point.error - best.error <= std::max(kMinDifference, spread) &&
+    if (is_on_front[i] &&
+        point.error - best.error <= std::max(kMinDifference, spread) &&
         is_faster(point, *choice)) {
       choice = &point;
     }

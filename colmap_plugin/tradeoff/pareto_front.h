@@ -18,10 +18,10 @@ struct TradeoffPoint {
 // better in one of the two.
 std::vector<bool> FindParetoFront(const std::vector<TradeoffPoint>& points);
 
-// One sentence: the fastest setting whose error is not measurably larger than
-// the least one, and what the fastest of all would save. A difference counts as
-// measurable beyond one percent of the pixels or the spread of the seeds.
-// `points` must not be empty.
+// One sentence: the fastest setting on the front whose error is not measurably
+// larger than the least one, and what the fastest of all would save. A
+// difference counts as measurable beyond one percent of the pixels or the
+// spread of the seeds. `points` must not be empty.
 std::string TradeoffAdvice(const std::vector<TradeoffPoint>& points);
 
 }  // namespace structnerf

@@ -1,6 +1,5 @@
 #include "colmap_plugin/tradeoff/tradeoff_plot.h"
 
-#include "colmap_plugin/terminal_progress.h"
 #include "colmap_plugin/text_output.h"
 
 #include <algorithm>

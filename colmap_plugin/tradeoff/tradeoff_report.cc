@@ -5,7 +5,6 @@
 #include "colmap_plugin/json_text.h"
 #include "colmap_plugin/memory_budget.h"
 #include "colmap_plugin/png_file.h"
-#include "colmap_plugin/terminal_progress.h"
 #include "colmap_plugin/text_output.h"
 #include "colmap_plugin/tradeoff/tradeoff_plot.h"
 
@@ -23,19 +22,37 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 std::string ErrorName(const TradeoffScene& scene) {
-  return scene.truth.path.empty()
-             ? "pixels that other views do not confirm, %"
-             : "pixels without depth or more than 5 cm off, %";
+  switch (ErrorKind(scene)) {
+    case TradeoffError::kTruth:
+      return "pixels without depth or more than 5 cm off, %";
+    case TradeoffError::kHeldOut:
+      return "pixels of held-out photographs predicted wrongly, %";
+    default:
+      return "pixels that the other view does not confirm, %";
+  }
 }
 
 std::string ErrorText(const TradeoffScene& scene) {
-  return scene.truth.path.empty()
-             ? "There was no ground truth. The error is the share of pixels "
-               "whose depth other views do not confirm: what is wrong in the "
-               "same way in all views is not seen by it."
-             : "The error is measured against ground truth: the share of "
-               "pixels that have truth and no depth, or one that is more than "
-               "5 cm off in the scale of structure-from-motion.";
+  switch (ErrorKind(scene)) {
+    case TradeoffError::kTruth:
+      return "The error is measured against ground truth: the share of pixels "
+             "that have truth and no depth, or one that is more than 5 cm off "
+             "in the scale of structure-from-motion. PSNR is that of one in "
+             "256 pixels, which are kept out of the training.";
+    case TradeoffError::kHeldOut:
+      return "There was no ground truth. Of " +
+             std::to_string(scene.test_every) +
+             " photographs one was kept out, and the error is the share of "
+             "its textured pixels that the other photographs and their depth "
+             "maps predict wrongly: what is wrong on blank surfaces is not "
+             "seen by it. PSNR is that of the field at these photographs.";
+    default:
+      return "There was no ground truth, and no photograph to be kept out. The "
+             "error is the share of pixels whose depth the other view does not "
+             "confirm: what is wrong in the same way in both is not seen by "
+             "it. PSNR is that of one in 256 pixels, which are kept out of the "
+             "training.";
+  }
 }
 
 double MeanCpuSeconds(const MeasuredSetting& setting) {

@@ -3,6 +3,7 @@
 #include "colmap_plugin/child_process.h"
 #include "colmap_plugin/dense_workspace.h"
 #include "colmap_plugin/evaluation/map_pictures.h"
+#include "colmap_plugin/evaluation/photograph_prediction.h"
 #include "colmap_plugin/evaluation/workspace_maps.h"
 #include "colmap_plugin/input_check.h"
 #include "colmap_plugin/json_text.h"
@@ -11,6 +12,7 @@
 #include "colmap_plugin/text_output.h"
 #include "nerf/util/quantile.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -28,6 +30,11 @@ using nlohmann::json;
 
 // Of kErrorThresholds: 5 cm.
 constexpr size_t kThresholdIdx = 1;
+
+// Views of which one is held out, if there are so many, and that are needed for
+// that.
+constexpr int kTestEvery = 8;
+constexpr int kMinNumTestedViews = 3;
 
 // Shares of the depths of a picture that are nearer and farther than its scale.
 constexpr double kClippedShare = 0.02;
@@ -69,6 +76,7 @@ json DescribeMeasurement(const TradeoffScene& scene,
                             {"truth", scene.truth.path},
                             {"truth_scale", scene.truth.scale},
                             {"fingerprint", scene.fingerprint},
+                            {"test_every", scene.test_every},
                             {"setting", setting.name}};
   // As a file has it, which is UTF-8 whatever the paths are.
   return json::parse(JsonText(description));
@@ -92,8 +100,8 @@ SceneScale EstimateScale(const TruthViews& truth, const TradeoffScene& scene) {
         "The scale of the model is not known, because no sparse point has "
         "ground truth in " +
         scene.truth.path +
-        "; correct --ground_truth_path, or leave it out to measure how far "
-        "views agree instead.");
+        "; correct --ground_truth_path, or leave it out to measure by "
+        "photographs that are kept out instead.");
   }
   return scale;
 }
@@ -110,6 +118,25 @@ double ErrorAgainstTruth(const TradeoffScene& scene,
   StageProgress stage("Evaluating maps", &silent);
   return 1 - EvaluateDepth(truth.Names(), source, scale, &truth, &stage)
                  .in_sfm_scale->all.within[kThresholdIdx];
+}
+
+double MeasureError(const TradeoffScene& scene,
+                    const DenseWorkspace& workspace,
+                    const colmap::Reconstruction& model,
+                    const json& report) {
+  switch (ErrorKind(scene)) {
+    case TradeoffError::kTruth:
+      return ErrorAgainstTruth(
+          scene, WorkspaceMaps(workspace, model, MapType::kPhotometric));
+    case TradeoffError::kHeldOut:
+      return PredictHeldOutPhotographs(workspace, model, scene.test_every)
+          .ShareWrong();
+    default: {
+      const json& counts = report.at("maps");
+      return 1 - counts.at("geometric_pixels").get<double>() /
+                     counts.at("pixels").get<double>();
+    }
+  }
 }
 
 void WritePicture(const cv::Mat1f& depth, const std::string& path) {
@@ -145,6 +172,10 @@ void Run(const TradeoffScene& scene,
   if (!scene.mask_path.empty()) {
     arguments.insert(arguments.end(), {"--mask_path", scene.mask_path});
   }
+  if (scene.test_every > 0) {
+    arguments.push_back("--StructNeRF.test_every=" +
+                        std::to_string(scene.test_every));
+  }
   arguments.insert(
       arguments.end(), setting.arguments.begin(), setting.arguments.end());
   if (RunChildProcess("/proc/self/exe", arguments, /*keep_output=*/false) !=
@@ -157,6 +188,12 @@ void Run(const TradeoffScene& scene,
 }
 
 }  // namespace
+
+TradeoffError ErrorKind(const TradeoffScene& scene) {
+  return !scene.truth.path.empty() ? TradeoffError::kTruth
+         : scene.test_every > 0    ? TradeoffError::kHeldOut
+                                   : TradeoffError::kAgreement;
+}
 
 void PrepareScene(TradeoffScene* scene) {
   for (std::string* const path : {&scene->image_path,
@@ -171,8 +208,11 @@ void PrepareScene(TradeoffScene* scene) {
   CheckMasks(model, scene->mask_path);
   scene->fingerprint =
       InputFingerprint(model, scene->image_path, scene->mask_path);
+  const auto num_views = static_cast<int>(model.NumRegImages());
   if (!scene->truth.path.empty()) {
     EstimateScale(TruthViews(model, scene->image_path, scene->truth), *scene);
+  } else if (num_views >= kMinNumTestedViews) {
+    scene->test_every = std::min(kTestEvery, num_views);
   }
 }
 
@@ -222,12 +262,8 @@ TradeoffMeasurement MeasureSetting(const TradeoffScene& scene,
           : -1;
   const DenseWorkspace workspace(workspace_path);
   const colmap::Reconstruction model = ReadModel(workspace.SparsePath());
+  measurement.error = MeasureError(scene, workspace, model, report);
   const WorkspaceMaps maps(workspace, model, MapType::kPhotometric);
-  const json& counts = report.at("maps");
-  measurement.error = scene.truth.path.empty()
-                          ? 1 - counts.at("geometric_pixels").get<double>() /
-                                    counts.at("pixels").get<double>()
-                          : ErrorAgainstTruth(scene, maps);
   const std::vector<std::string> names = ImageNames(model);
   WritePicture(maps.Find(names[names.size() / 2]).value().depth,
                TradeoffPicturePath(scene, setting, seed));

@@ -15,12 +15,24 @@ struct TradeoffScene {
   std::string output_path;  // for everything that is written
   DepthTruthOptions truth;  // `path` empty = none
   std::string fingerprint;  // of model, images and masks (run_identity.h)
+
+  // Without truth: of so many images the last is kept out of the runs, to tell
+  // by it what they are worth; 0 = there are too few.
+  int test_every = 0;
 };
 
-// Writes paths in one way, fills `fingerprint`, and looks at images, masks and
-// ground truth: it would be of no use to find that they are wrong after runs of
-// hours. Throws std::runtime_error, naming the option or file, if one cannot be
-// read, or if nothing can be measured against the truth.
+// How errors are measured.
+enum class TradeoffError {
+  kTruth,      // against ground truth
+  kHeldOut,    // by photographs that were kept out
+  kAgreement,  // by how far views agree, of which there are only two
+};
+TradeoffError ErrorKind(const TradeoffScene& scene);
+
+// Writes paths in one way, fills `fingerprint` and `test_every`, and looks at
+// images, masks and ground truth: it would be of no use to find that they are
+// wrong after runs of hours. Throws std::runtime_error, naming the option or
+// file, if one cannot be read, or if nothing can be measured against the truth.
 void PrepareScene(TradeoffScene* scene);
 
 // What one run took and gave.
@@ -29,10 +41,12 @@ struct TradeoffMeasurement {
   double cpu_seconds = 0;  // of all threads
   size_t peak_bytes = 0;
 
-  // Share of the pixels that are wrong. With truth: of the pixels that have it,
-  // in the scale of structure-from-motion; those without a depth or farther off
-  // than 5 cm. Else: of all pixels, those whose depth other views do not
-  // confirm.
+  // Share of the pixels that are wrong. Against truth: of the pixels that have
+  // it, in the scale of structure-from-motion; those without a depth or farther
+  // off than 5 cm. By held-out photographs: of their textured pixels; those
+  // that other photographs and their depth maps predict otherwise
+  // (evaluation/photograph_prediction.h). By agreement: of all pixels; those
+  // whose depth the other view does not confirm.
   double error = 0;
 
   double held_out_psnr = -1;  // dB; -1 = none

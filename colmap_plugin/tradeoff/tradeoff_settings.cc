@@ -11,8 +11,10 @@ namespace {
 constexpr char kSection[] = "StructNeRF.";
 
 // What every run is told by the command itself.
-const std::vector<std::string> kReserved = {
-    "StructNeRF.seed", "StructNeRF.print_options", "StructNeRF.resume"};
+const std::vector<std::string> kReserved = {"StructNeRF.seed",
+                                            "StructNeRF.print_options",
+                                            "StructNeRF.resume",
+                                            "StructNeRF.test_every"};
 
 [[noreturn]] void ThrowWrong(const std::string& part,
                              const std::string& reason) {

@@ -56,6 +56,8 @@ TEST_F(TradeoffTest, MeasuresEverySettingOnce) {
   EXPECT_THAT(result.out, HasSubstr("num_steps=60, seed 1: "));
   EXPECT_THAT(result.out, HasSubstr("Take quality=low num_steps="));
   const auto object = ReadJson(temp_dir_ / "tradeoff/tradeoff.json");
+  EXPECT_EQ(object["error"],
+            "pixels of held-out photographs predicted wrongly, %");
   ASSERT_EQ(object["settings"].size(), 2u);
   for (const auto& setting : object["settings"]) {
     ASSERT_EQ(setting["runs"].size(), 2u);

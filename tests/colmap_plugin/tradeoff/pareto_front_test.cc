@@ -53,6 +53,13 @@ TEST(TradeoffAdvice, TheSpreadOfSeedsHidesAGain) {
               HasSubstr("Take medium"));
 }
 
+TEST(TradeoffAdvice, SpreadDoesNotPutASettingBeforeABetterOne) {
+  EXPECT_THAT(TradeoffAdvice({MakePoint("best", 100, 0.30),
+                              MakePoint("middle", 50, 0.34, 0.02),
+                              MakePoint("fast", 10, 0.32)}),
+              HasSubstr("Take best"));
+}
+
 TEST(TradeoffAdvice, OneSettingIsTaken) {
   EXPECT_EQ(TradeoffAdvice({MakePoint("low", 20, 0.42)}),
             "Take low (20 s): no setting is measurably more accurate.");

@@ -52,7 +52,12 @@ TEST_F(TradeoffReportTest, WritesPageNumbersAndPlot) {
   EXPECT_THAT(page, HasSubstr("data:image/png;base64,"));
   EXPECT_THAT(page, HasSubstr("41.0 (40.0 to 42.0)"));
   EXPECT_THAT(page, HasSubstr("quality=&lt;b&gt;"));
-  EXPECT_THAT(page, HasSubstr("There was no ground truth"));
+  EXPECT_THAT(page, HasSubstr("There was no ground truth, and no photograph"));
+
+  scene_.test_every = 8;
+  WriteTradeoffReport(scene_, settings_);
+  EXPECT_THAT(ReadText(temp_dir_ / "tradeoff.html"),
+              HasSubstr("Of 8 photographs one was kept out"));
 }
 
 TEST_F(TradeoffReportTest, SaysThatThereWasTruth) {

@@ -50,6 +50,7 @@ class TradeoffRunTest : public testing::Test {
                             {"truth", ""},
                             {"truth_scale", 1000.0},
                             {"fingerprint", "0123"},
+                            {"test_every", 0},
                             {"setting", "quality=low"}}));
   }
 
