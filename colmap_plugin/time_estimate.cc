@@ -78,8 +78,12 @@ QualityChoice QualityForTime(const StructNerfOptions& options,
     stereo.num_iterations =
         std::min(stereo.num_iterations, candidate.max_num_sweeps);
     const TimeEstimate estimate = EstimateTime(planned, cameras);
+    const double min_share = std::clamp(
+        kMinTrainingSteps / planned.reconstruction.training.num_steps,
+        kMinTrainingShare,
+        1.0);
     const double needed =
-        estimate.Total() - (1 - kMinTrainingShare) * estimate.training;
+        estimate.Total() - (1 - min_share) * estimate.training;
     if (slowness * needed <= 60 * options.max_minutes) {
       return {candidate.quality, stereo.num_iterations};
     }

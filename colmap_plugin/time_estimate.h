@@ -18,8 +18,11 @@ struct TimeEstimate {
   double Total() const { return loading + training + rendering + finishing; }
 };
 
-// The least share of its training that a quality is worth running with.
+// The least share of its training that a quality is worth running with, and
+// the least number of steps: fewer do not bring a field to rest, whatever comes
+// after them.
 constexpr double kMinTrainingShare = 0.25;
+constexpr double kMinTrainingSteps = 750;
 
 // What a run will roughly take on this machine with nothing else to do: the
 // work that the options ask for, at rates that were measured on a server's core
@@ -35,8 +38,8 @@ struct QualityChoice {
 };
 
 // The best whose run fits into `options.max_minutes` with at least
-// kMinTrainingShare of its training; "low" if none does. `slowness`:
-// MeasureSlowness().
+// kMinTrainingShare of its training and kMinTrainingSteps; "low" if none does.
+// `slowness`: MeasureSlowness().
 QualityChoice QualityForTime(const StructNerfOptions& options,
                              const std::vector<PinholeCamera>& cameras,
                              double slowness);
