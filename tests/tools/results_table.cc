@@ -69,6 +69,7 @@ const std::vector<Metric>& Metrics() {
        "%.1f",
        100,
        true},
+      {"cloud F 5 cm %", Place("/eval/cloud/f_5cm"), "%.1f", 100, true},
       {"CPU s", Place("/report/cpu_seconds"), "%.0f", 1, false}};
   return metrics;
 }
