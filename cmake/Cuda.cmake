@@ -24,6 +24,9 @@ if(NOT DEFINED STRUCTNERF_CUDA)
 endif()
 option(STRUCTNERF_CUDA "Build the engine for NVIDIA graphics cards"
   ${structnerf_cuda_default})
+if(STRUCTNERF_NVCC AND NOT STRUCTNERF_CUDA)
+  message(STATUS "Without CUDA; -DSTRUCTNERF_CUDA=ON uses ${STRUCTNERF_NVCC}.")
+endif()
 # Every architecture that CUDA 13 still knows, up to Hopper; later cards compile
 # the last one's intermediate code when the program starts.
 set(STRUCTNERF_CUDA_ARCHITECTURES 75-real 80-real 86-real 89-real 90

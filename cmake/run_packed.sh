@@ -31,13 +31,17 @@ readonly summary="$results/summary.txt"
 part() {
   local name="$1" begin=$SECONDS outcome=ok
   shift
-  timeout --kill-after=5 "$((limit > SECONDS ? limit - SECONDS : 1))" "$@" \
-    > "$results/$name.log" 2>&1
-  case $? in
-    0) ;;
-    124 | 137) outcome="out of time" ;;
-    *) outcome=failed ;;
-  esac
+  if ((SECONDS >= limit)); then
+    outcome="out of time"
+  else
+    timeout --kill-after=5 "$((limit - SECONDS))" "$@" \
+      > "$results/$name.log" 2>&1
+    case $? in
+      0) ;;
+      124 | 137) outcome="out of time" ;;
+      *) outcome=failed ;;
+    esac
+  fi
   [ "$outcome" = ok ] || num_failed=$((num_failed + 1))
   printf '%-24s %5d s  %s\n' "$name" $((SECONDS - begin)) "$outcome" |
     tee -a "$summary"
@@ -90,7 +94,7 @@ test_card() {
   local program
   for program in "$build"/tests/nerf/nerf_cuda_*_test; do
     "$@" "$program" || return
-  done | tee "$results/card_tests.txt"
+  done | tee "$results/card_tests.txt" || return
   ! grep -q SKIPPED "$results/card_tests.txt"
 }
 
@@ -108,7 +112,12 @@ part test ctest --test-dir "$build" -j "$jobs" --output-on-failure
 part benchmark "$build/tests/benchmarks/structnerf_benchmarks" \
   --benchmark_filter=^train/ --benchmark_min_time=0.5
 devices=${DEVICES:-cpu}
-if command -v nvidia-smi > /dev/null; then
+if ! command -v nvidia-smi > /dev/null; then
+  :
+elif ! grep -q '^STRUCTNERF_CUDA:BOOL=ON' "$build/CMakeCache.txt"; then
+  echo "the card is not used: CMake found no nvcc of version 12 or later" |
+    tee -a "$summary"
+else
   devices=${DEVICES:-cuda cpu}
   part card bash -o pipefail -c test_card
   if command -v compute-sanitizer > /dev/null; then
