@@ -102,6 +102,21 @@ std::vector<std::string> ExpandCommandLine(
   return expanded;
 }
 
+std::vector<std::string> KeepSection(const std::vector<std::string>& args,
+                                     const std::string& section) {
+  std::vector<std::string> kept = {args[0]};
+  for (size_t i = 1; i < args.size(); ++i) {
+    if (!StartsWith(args[i], "--" + section)) {
+      continue;
+    }
+    kept.push_back(args[i]);
+    if (args[i].find('=') == std::string::npos && i + 1 < args.size()) {
+      kept.push_back(args[++i]);
+    }
+  }
+  return kept;
+}
+
 std::string FindOption(const std::vector<std::string>& args,
                        const std::string& name,
                        const std::string& default_value) {

@@ -21,6 +21,11 @@ std::vector<std::string> ExpandCommandLine(
     const std::vector<std::string>& project_keys,
     const std::vector<std::string>& flags);
 
+// `args[0]`, and of the others the options of a section ("StructNeRF.") with
+// their values.
+std::vector<std::string> KeepSection(const std::vector<std::string>& args,
+                                     const std::string& section);
+
 // Value of `--name value` or `--name=value`, the last one; `default_value` if
 // there is none.
 std::string FindOption(const std::vector<std::string>& args,

@@ -110,7 +110,8 @@ bool ParseOptionsOfQuality(const std::vector<std::string>& args,
   manager.AddDefaultOption(
       "mask_path",
       &options.mask_path,
-      "Folder with masks <image name>.png, black = ignore");
+      "Folder with masks <image name>.png, black = ignore; with "
+      "--workspace_path of the undistorted images");
   manager.AddDefaultOption(
       "overwrite", &options.overwrite, "Replace existing dense results");
   AddOptions(table, &manager);

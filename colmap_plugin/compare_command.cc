@@ -49,7 +49,7 @@ bool ParseCompareCommand(const std::vector<std::string>& args,
                            "Folder for comparison.html and comparison.json");
   AddTruthArguments(
       &options.truth, &options.input_path, &options.image_path, &manager);
-  manager.AddDefaultOption("map_type",
+  manager.AddDefaultOption("input_type",
                            &options.map_type,
                            "Maps to compare {geometric, photometric}");
   manager.AddDefaultOption("max_pictured_views",

@@ -48,11 +48,16 @@ bool ParseEvalCommand(const std::vector<std::string>& args,
                            "Leave out points where there is no truth");
   manager.AddDefaultOption(
       "output_path", &command->output_path, "JSON file for all results");
-  return ParseArguments(
-      ExpandCommandLine(args,
-                        {"workspace_path", "input_path", "image_path"},
-                        {"mask_unobserved"}),
-      &manager);
+  const auto expand = [&](const std::vector<std::string>& project_keys) {
+    return ExpandCommandLine(args, project_keys, {"mask_unobserved"});
+  };
+  std::vector<std::string> expanded =
+      expand({"workspace_path", "input_path", "image_path"});
+  if (FindOption(expanded, "input_path", "").empty()) {
+    // Every project of COLMAP's has images; here they belong to a model.
+    expanded = expand({"workspace_path"});
+  }
+  return ParseArguments(std::move(expanded), &manager);
 }
 
 }  // namespace

@@ -28,6 +28,10 @@ bool HasModelFiles(const fs::path& path, const std::string& extension) {
          fs::is_regular_file(path / ("points3D" + extension));
 }
 
+bool HoldsModel(const std::string& path) {
+  return HasModelFiles(path, ".bin") || HasModelFiles(path, ".txt");
+}
+
 // Results are moved into their folders once they are complete.
 void RequireOneDisk(const std::string& path, const bool is_new) {
   std::vector<std::string> folders = {"stereo", "structnerf"};
@@ -60,7 +64,7 @@ colmap::Reconstruction ReadModel(const std::string& path) {
                              "model, or of a workspace that has one in sparse "
                              "(image_undistorter makes it).");
   }
-  if (!HasModelFiles(path, ".bin") && !HasModelFiles(path, ".txt")) {
+  if (!HoldsModel(path)) {
     throw std::runtime_error(
         "The folder " + path +
         " holds no COLMAP model (cameras, images and points3D as .bin or "
@@ -194,16 +198,20 @@ void CheckOutput(const StructNerfOptions& options,
   }
   const auto results = workspace.FindResults(image_names, /*limit=*/1);
   if (!results.empty()) {
-    throw std::runtime_error(
-        "The folder " + path + " already holds dense results (" + results[0] +
-        "); pass --overwrite to replace them or choose another folder.");
+    throw std::runtime_error("The folder " + path +
+                             " already holds dense results (" + results[0] +
+                             "); pass --overwrite to replace them" +
+                             (is_new ? " or choose another folder." : "."));
   }
   if (is_new && (fs::exists(workspace.ImagesPath()) ||
                  fs::exists(workspace.SparsePath()))) {
     throw std::runtime_error(
-        "The folder " + path +
-        " already holds a workspace; pass it as --workspace_path instead of "
-        "--output_path to use it, or pass --overwrite to replace it.");
+        "The folder " + path + " already holds " +
+        (HoldsModel(workspace.SparsePath())
+             ? "a workspace; pass it as --workspace_path instead of "
+               "--output_path to use it, or pass --overwrite to replace it."
+             : "images or models; choose a new one, for instance " +
+                   (fs::path(path) / "dense").string() + "."));
   }
 }
 

@@ -8,8 +8,9 @@
 namespace structnerf {
 
 // Hides COLMAP's messages below a severity (google::GLOG_WARNING, ...) while it
-// lives. The setting is that of the whole process: where several live at a
-// time, in whatever threads, the last to go restores what was before the first.
+// lives, unless more of them were asked for (--log_level 1 or more). The
+// setting is that of the whole process: where several live at a time, in
+// whatever threads, the last to go restores what was before the first.
 class ScopedLogLevel {
  public:
   explicit ScopedLogLevel(const int min_severity) {
@@ -17,7 +18,9 @@ class ScopedLogLevel {
     if (num_alive_++ == 0) {
       previous_ = FLAGS_minloglevel;
     }
-    FLAGS_minloglevel = std::max<int>(FLAGS_minloglevel, min_severity);
+    if (FLAGS_v <= 0) {
+      FLAGS_minloglevel = std::max<int>(FLAGS_minloglevel, min_severity);
+    }
   }
   ~ScopedLogLevel() {
     const std::lock_guard<std::mutex> lock(mutex_);

@@ -3,6 +3,7 @@
 #include "colmap_plugin/colmap_compat.h"
 #include "colmap_plugin/image_file.h"
 #include "colmap_plugin/png_file.h"
+#include "colmap_plugin/text_output.h"
 #include "nerf/progress.h"
 #include "nerf/util/thread_pool.h"
 
@@ -36,10 +37,10 @@ cv::Mat ReadCheckedMask(const std::string& path,
   }
   if (mask.cols != width || mask.rows != height) {
     throw std::runtime_error(
-        "The mask " + path + " is " + std::to_string(mask.cols) + "x" +
-        std::to_string(mask.rows) + ", but its image is " +
-        std::to_string(width) + "x" + std::to_string(height) +
-        "; a mask must have the size of its image.");
+        "The mask " + path + " is " + SizeText(mask.cols, mask.rows) +
+        ", but its image is " + SizeText(width, height) +
+        "; a mask must have the size of its image (with --workspace_path, of "
+        "the undistorted one).");
   }
   return Binarize(mask, 0);
 }

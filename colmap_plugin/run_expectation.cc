@@ -4,7 +4,6 @@
 #include "colmap_plugin/option_table.h"
 #include "colmap_plugin/run_plan.h"
 #include "colmap_plugin/scene_converter.h"
-#include "colmap_plugin/terminal_progress.h"
 #include "colmap_plugin/text_output.h"
 #include "colmap_plugin/time_estimate.h"
 #include "nerf/analysis/scene_analysis.h"

@@ -5,7 +5,6 @@
 #include "colmap_plugin/memory_budget.h"
 #include "colmap_plugin/text_output.h"
 
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -22,12 +21,6 @@ using nlohmann::json;
 
 // Raised when a field changes its name or meaning.
 constexpr int kSchemaVersion = 1;
-
-double WallSeconds() {
-  return std::chrono::duration<double>(
-             std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
 
 double CpuSeconds() {
   rusage usage;
@@ -160,14 +153,14 @@ double Percent(const size_t part, const size_t whole) {
 void StageTimer::Begin(const std::string& name) {
   End();
   stages_.push_back({name, 0, 0});
-  start_seconds_ = WallSeconds();
+  timer_.Restart();
   start_cpu_seconds_ = CpuSeconds();
   running_ = true;
 }
 
 void StageTimer::End() {
   if (running_) {
-    stages_.back().seconds = WallSeconds() - start_seconds_;
+    stages_.back().seconds = timer_.ElapsedSeconds();
     stages_.back().cpu_seconds = CpuSeconds() - start_cpu_seconds_;
     running_ = false;
   }

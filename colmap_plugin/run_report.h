@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include <colmap/util/timer.h>
+
 namespace structnerf {
 
 // What a stage of the run cost.
@@ -57,7 +59,7 @@ class StageTimer {
 
  private:
   std::vector<StageReport> stages_;
-  double start_seconds_ = 0;
+  colmap::Timer timer_;
   double start_cpu_seconds_ = 0;
   bool running_ = false;
 };

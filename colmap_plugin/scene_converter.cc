@@ -4,6 +4,7 @@
 #include "colmap_plugin/image_file.h"
 #include "colmap_plugin/masks.h"
 #include "colmap_plugin/superpixels.h"
+#include "colmap_plugin/text_output.h"
 #include "nerf/scene_guards.h"
 #include "nerf/util/thread_pool.h"
 
@@ -51,12 +52,11 @@ cv::Mat ReadImage(const SceneConverterOptions& options, const View& view) {
                              "full.");
   }
   if (image.cols != view.camera.width || image.rows != view.camera.height) {
-    throw std::runtime_error(
-        "The undistorted image " + view.name + " is " +
-        std::to_string(image.cols) + "x" + std::to_string(image.rows) +
-        ", but its camera is " + std::to_string(view.camera.width) + "x" +
-        std::to_string(view.camera.height) +
-        "; undistort the images again with this model.");
+    throw std::runtime_error("The undistorted image " + view.name + " is " +
+                             SizeText(image.cols, image.rows) +
+                             ", but its camera is " +
+                             SizeText(view.camera.width, view.camera.height) +
+                             "; undistort the images again with this model.");
   }
   return image;
 }

@@ -1,5 +1,6 @@
 #include "colmap_plugin/terminal_progress.h"
 
+#include "colmap_plugin/text_output.h"
 #include "nerf/util/interrupts.h"
 
 #include <algorithm>
@@ -58,28 +59,6 @@ std::string BarText(const double fraction) {
 }
 
 }  // namespace
-
-std::string DurationText(const double seconds) {
-  const int64_t rounded = std::max<int64_t>(0, std::llround(seconds));
-  char text[64];
-  if (rounded < 60) {
-    snprintf(text, sizeof(text), "%d s", static_cast<int>(rounded));
-  } else if (rounded < 3600) {
-    snprintf(text,
-             sizeof(text),
-             "%d:%02d min",
-             static_cast<int>(rounded / 60),
-             static_cast<int>(rounded % 60));
-  } else {
-    snprintf(text,
-             sizeof(text),
-             "%lld:%02d:%02d h",
-             static_cast<long long>(rounded / 3600),
-             static_cast<int>(rounded / 60 % 60),
-             static_cast<int>(rounded % 60));
-  }
-  return text;
-}
 
 TerminalProgress::Options TerminalProgress::OptionsFor(
     const int file_descriptor) {

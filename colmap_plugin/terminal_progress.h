@@ -56,7 +56,4 @@ class TerminalProgress : public RunProgress {
   bool announced_stop_ = false;
 };
 
-// e.g. "42 s", "3:07 min", "1:02:03 h".
-std::string DurationText(double seconds);
-
 }  // namespace structnerf

@@ -3,7 +3,10 @@
 #include "colmap_plugin/memory_budget.h"
 #include "nerf/util/whole_file.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdarg>
+#include <cstdint>
 #include <cstdio>
 
 namespace structnerf {
@@ -25,6 +28,28 @@ std::string FormatNumber(const char* format, const double value) {
 
 std::string SizeText(const size_t width, const size_t height) {
   return std::to_string(width) + "x" + std::to_string(height);
+}
+
+std::string DurationText(const double seconds) {
+  const int64_t rounded = std::max<int64_t>(0, std::llround(seconds));
+  char text[64];
+  if (rounded < 60) {
+    snprintf(text, sizeof(text), "%d s", static_cast<int>(rounded));
+  } else if (rounded < 3600) {
+    snprintf(text,
+             sizeof(text),
+             "%d:%02d min",
+             static_cast<int>(rounded / 60),
+             static_cast<int>(rounded % 60));
+  } else {
+    snprintf(text,
+             sizeof(text),
+             "%lld:%02d:%02d h",
+             static_cast<long long>(rounded / 3600),
+             static_cast<int>(rounded / 60 % 60),
+             static_cast<int>(rounded % 60));
+  }
+  return text;
 }
 
 std::string BytesText(const size_t num_bytes) {

@@ -15,6 +15,9 @@ std::string FormatNumber(const char* format, double value);
 // "640x480".
 std::string SizeText(size_t width, size_t height);
 
+// e.g. "42 s", "3:07 min", "1:02:03 h".
+std::string DurationText(double seconds);
+
 // "0.25 GB"; below 0.01 GB "0.25 MB".
 std::string BytesText(size_t num_bytes);
 

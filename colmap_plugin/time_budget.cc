@@ -1,6 +1,6 @@
 #include "colmap_plugin/time_budget.h"
 
-#include "colmap_plugin/terminal_progress.h"
+#include "colmap_plugin/text_output.h"
 
 #include <algorithm>
 

@@ -294,7 +294,7 @@ void ComparisonOptions::Check() const {
   if (map_type != MapTypeName(MapType::kGeometric) &&
       map_type != MapTypeName(MapType::kPhotometric)) {
     throw std::runtime_error(
-        "The option --map_type must be geometric or photometric, but is " +
+        "The option --input_type must be geometric or photometric, but is " +
         map_type + ".");
   }
   if (max_pictured_views < 0 || picture_size < 16) {

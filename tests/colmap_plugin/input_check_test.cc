@@ -214,6 +214,18 @@ TEST_F(InputCheckTest, ResultsStayOnOneDisk) {
   EXPECT_THAT(error(), HasSubstr("dense/stereo is on another disk"));
 }
 
+TEST_F(InputCheckTest, TellsAProjectFromAWorkspace) {
+  StructNerfOptions options;
+  options.output_path = temp_dir_ / "project";
+  fs::create_directories(options.output_path + "/sparse/0");
+  const auto error = [&]() {
+    return ErrorOf([&]() { CheckOutput(options, {"0.png"}); });
+  };
+  EXPECT_THAT(error(), HasSubstr("for instance " + options.output_path));
+  MakeTinyModel(2).WriteModel(options.output_path + "/sparse");
+  EXPECT_THAT(error(), HasSubstr("pass it as --workspace_path"));
+}
+
 TEST_F(InputCheckTest, ResultsAreWrittenIntoAFolderThatExists) {
   const auto error_of = [](const std::string& path) {
     return ErrorOf([&]() { CheckOutputFile("output_path", path); });

@@ -248,7 +248,7 @@ TEST_F(ComparisonTest, OneErrorForBadInput) {
   WriteMaps(0, "0.png", 4, 64);
   WriteMaps(1, "0.png", 4, 64);
   options_.map_type = "other";
-  EXPECT_THAT(Error(), HasSubstr("--map_type"));
+  EXPECT_THAT(Error(), HasSubstr("--input_type"));
   options_.map_type = "geometric";
   options_.picture_size = 0;
   EXPECT_THAT(Error(), HasSubstr("--picture_size"));
