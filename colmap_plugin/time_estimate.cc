@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <colmap/util/threading.h>
 
@@ -22,6 +21,32 @@ constexpr double kDensityCache = 2.0;
 
 // ... and that one thread does.
 constexpr double kPerCheckedPixel = 0.4e-6;
+
+// A quality, with another number of sweeps than its own if that is not kItsOwn.
+struct Candidate {
+  const char* quality;
+  int num_sweeps;
+};
+constexpr int kItsOwn = -1;
+
+// From the best to the fastest.
+std::vector<Candidate> MakeCandidates(
+    const std::vector<PinholeCamera>& cameras) {
+  std::vector<Candidate> candidates = {{"high", kItsOwn},
+                                       {"medium", kItsOwn},
+                                       {"medium", 1},
+                                       {"low", 1},
+                                       {"low", kItsOwn}};
+  const int high_size = QualityPreset("high").training.max_image_size;
+  const auto is_large = [&](const PinholeCamera& camera) {
+    return std::max(camera.width, camera.height) > high_size;
+  };
+  if (std::any_of(cameras.begin(), cameras.end(), is_large)) {
+    // Else it is the same as high.
+    candidates.insert(candidates.begin(), {"extreme", kItsOwn});
+  }
+  return candidates;
+}
 
 }  // namespace
 
@@ -60,23 +85,17 @@ TimeEstimate EstimateTime(const StructNerfOptions& options,
 QualityChoice QualityForTime(const StructNerfOptions& options,
                              const std::vector<PinholeCamera>& cameras,
                              const double slowness) {
-  struct Candidate {
-    const char* quality;
-    int max_num_sweeps;
-  };
-  constexpr int kAll = std::numeric_limits<int>::max();
+  const bool has_matching =
+      MakePreset(options.method, "high").stereo.num_iterations > 0;
   StructNerfOptions planned = options;
   StereoOptions& stereo = planned.reconstruction.stereo;
-  for (const Candidate& candidate : {Candidate{"extreme", kAll},
-                                     Candidate{"high", kAll},
-                                     Candidate{"medium", kAll},
-                                     Candidate{"medium", 1},
-                                     Candidate{"low", kAll}}) {
+  for (const Candidate& candidate : MakeCandidates(cameras)) {
     planned.reconstruction = MakePreset(options.method, candidate.quality);
     planned.reconstruction.training.num_threads =
         options.reconstruction.training.num_threads;
-    stereo.num_iterations =
-        std::min(stereo.num_iterations, candidate.max_num_sweeps);
+    if (has_matching && candidate.num_sweeps != kItsOwn) {
+      stereo.num_iterations = candidate.num_sweeps;
+    }
     const TimeEstimate estimate = EstimateTime(planned, cameras);
     const double min_share = std::clamp(
         kMinTrainingSteps / planned.reconstruction.training.num_steps,

@@ -31,7 +31,7 @@ TimeEstimate EstimateTime(const StructNerfOptions& options,
                           const std::vector<PinholeCamera>& cameras);
 
 // A quality word, and the sweeps of matching to run it with
-// (StereoOptions::num_iterations), of which it has more if time allows.
+// (StereoOptions::num_iterations): its own, fewer, or one more than `low` has.
 struct QualityChoice {
   std::string quality;
   int num_sweeps = 0;

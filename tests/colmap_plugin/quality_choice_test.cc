@@ -35,20 +35,20 @@ class QualityChoiceTest : public testing::Test {
 };
 
 TEST_F(QualityChoiceTest, FollowsTheTime) {
-  EXPECT_EQ(ChooseQuality(options_, kCameras).quality, "extreme");
+  EXPECT_EQ(ChooseQuality(options_, kCameras).quality, "high");
   options_.max_minutes = 1e-4;
   EXPECT_EQ(ChooseQuality(options_, kCameras).quality, "low");
 }
 
 TEST_F(QualityChoiceTest, ARunGoesOnWithWhatItBeganWith) {
   LeaveCheckpoint();
-  EXPECT_EQ(ChooseQuality(options_, kCameras).quality, "extreme");
+  EXPECT_EQ(ChooseQuality(options_, kCameras).quality, "high");
   RememberQuality(StagedFolder::NotesPathOf(options_.output_path),
                   {"medium", 1});
   EXPECT_EQ(ChooseQuality(options_, kCameras).quality, "medium");
   EXPECT_EQ(ChooseQuality(options_, kCameras).num_sweeps, 1);
   options_.resume = false;
-  EXPECT_EQ(ChooseQuality(options_, kCameras).quality, "extreme");
+  EXPECT_EQ(ChooseQuality(options_, kCameras).quality, "high");
 }
 
 TEST_F(QualityChoiceTest, WithoutAFolderForResultsNothingIsGoneOnWith) {
@@ -57,7 +57,7 @@ TEST_F(QualityChoiceTest, WithoutAFolderForResultsNothingIsGoneOnWith) {
   options_.output_path = "";
   LeaveCheckpoint();
   RememberQuality(StagedFolder::NotesPathOf(""), {"medium", 1});
-  EXPECT_EQ(ChooseQuality(options_, kCameras).quality, "extreme");
+  EXPECT_EQ(ChooseQuality(options_, kCameras).quality, "high");
   fs::current_path(working_folder);
 }
 
@@ -67,7 +67,7 @@ TEST_F(QualityChoiceTest, WithoutCheckpointNothingIsRemembered) {
       StagedFolder::NotesPathOf(options_.output_path);
   RememberQuality(notes_path, {"medium", 4});
   fs::remove(fs::path(notes_path) / "checkpoint.bin");
-  EXPECT_EQ(ChooseQuality(options_, kCameras).quality, "extreme");
+  EXPECT_EQ(ChooseQuality(options_, kCameras).quality, "high");
 }
 
 TEST_F(QualityChoiceTest, AFolderThatIsNotThereIsNamed) {

@@ -57,13 +57,21 @@ TEST(QualityForTime, TakesTheBestThatFits) {
   StructNerfOptions options = MakeOptions("medium");
   for (const auto& [minutes, quality] : {std::pair(0.01, "low"),
                                          std::pair(0.8, "medium"),
-                                         std::pair(1000.0, "extreme")}) {
+                                         std::pair(1000.0, "high")}) {
     SCOPED_TRACE(minutes);
     options.max_minutes = minutes;
     const QualityChoice choice = QualityForTime(options, kCameras, 1);
     EXPECT_EQ(choice.quality, quality);
     EXPECT_EQ(choice.num_sweeps, QualityPreset(quality).stereo.num_iterations);
   }
+}
+
+TEST(QualityForTime, SpendsMoreOnLargePhotographs) {
+  StructNerfOptions options = MakeOptions("medium");
+  options.max_minutes = 1000;
+  std::vector<PinholeCamera> cameras = kCameras;
+  cameras.back() = cameras.back().Resized(1600, 1200);
+  EXPECT_EQ(QualityForTime(options, cameras, 1).quality, "extreme");
 }
 
 TEST(QualityForTime, SavesSweepsBeforeItGivesUpMatching) {
@@ -73,6 +81,16 @@ TEST(QualityForTime, SavesSweepsBeforeItGivesUpMatching) {
   EXPECT_EQ(choice.quality, "medium");
   EXPECT_EQ(choice.num_sweeps, 1);
   // Nothing of the kind where there is no matching.
+  options.method = "nerf";
+  EXPECT_EQ(QualityForTime(options, kCameras, 1).num_sweeps, 0);
+}
+
+TEST(QualityForTime, MatchesAfterAShortTrainingIfThatFits) {
+  StructNerfOptions options = MakeOptions("medium");
+  options.max_minutes = 0.35;
+  const QualityChoice choice = QualityForTime(options, kCameras, 1);
+  EXPECT_EQ(choice.quality, "low");
+  EXPECT_EQ(choice.num_sweeps, 1);
   options.method = "nerf";
   EXPECT_EQ(QualityForTime(options, kCameras, 1).num_sweeps, 0);
 }

@@ -1,5 +1,6 @@
 // New views of a trained field, as a user calls for them.
 
+#include "colmap_plugin/staged_folder.h"
 #include "nerf/util/median.h"
 #include "tests/end_to_end/room_run.h"
 
@@ -142,10 +143,10 @@ TEST_F(RenderTest, OneLineForBadInputAndNothingWritten) {
 TEST_F(RenderTest, KeepsARunThatCanBeGoneOnWith) {
   const std::string output_path = *temp_dir_ / "interrupted";
   const std::string checkpoint =
-      StagedFolder::NotesPathOf(output_path) + "/checkpoint";
+      StagedFolder::NotesPathOf(output_path) + "/checkpoint.bin";
   fs::create_directories(fs::path(checkpoint).parent_path());
   std::ofstream(checkpoint) << "half";
-  EXPECT_THAT(Render("interrupted", {"--num_frames", "2"}).OnlyError(),
+  EXPECT_THAT(Render("interrupted", {"--num_frames", "2"}).error,
               HasSubstr(output_path + " holds a run of structnerf_dense"));
   EXPECT_TRUE(fs::exists(checkpoint));
 }

@@ -56,7 +56,7 @@ TEST_F(TimeLimitTest, ARunWithTooManyStepsEndsInTime) {
 
 TEST_F(TimeLimitTest, TheQualityFollowsTheTime) {
   for (const auto& [minutes, quality] :
-       {std::pair("1000", "extreme"), std::pair("0.0001", "low")}) {
+       {std::pair("1000", "high"), std::pair("0.0001", "low")}) {
     const ProgramResult result =
         Run({"--StructNeRF.print_options=1",
              std::string("--StructNeRF.max_minutes=") + minutes});
@@ -84,7 +84,7 @@ TEST_F(TimeLimitTest, ToTellTheQualityAModelSuffices) {
                                            "--StructNeRF.print_options=1",
                                            "--StructNeRF.max_minutes=1000"});
   ASSERT_EQ(result.exit_code, 0) << result.error;
-  EXPECT_NE(result.out.find("StructNeRF.quality = extreme"), std::string::npos)
+  EXPECT_NE(result.out.find("StructNeRF.quality = high"), std::string::npos)
       << result.out;
 }
 

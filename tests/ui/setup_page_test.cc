@@ -28,8 +28,8 @@ TEST_F(SetupPageTest, ATimeLimitChoosesTheQuality) {
   auto* max_minutes = Find<QDoubleSpinBox>("max_minutes");
   EXPECT_EQ(max_minutes->value(), 0);
   max_minutes->setValue(1000);
-  EXPECT_EQ(Find<QComboBox>("quality")->currentText(), "extreme");
-  EXPECT_EQ(options_.quality, "extreme");
+  EXPECT_EQ(Find<QComboBox>("quality")->currentText(), "high");
+  EXPECT_EQ(options_.quality, "high");
   EXPECT_EQ(options_.max_minutes, 1000);
   // Less than any machine needs.
   max_minutes->setValue(0.01);
