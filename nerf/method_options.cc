@@ -242,7 +242,7 @@ std::vector<OptionEntry> TrainingEntries(TrainingOptions* training) {
        &training->coarse_to_fine_fraction,
        "Share of the training in which finer grid levels come in",
        0,
-       1},
+       0.9},
       {"StructNeRF.stop_when_converged",
        &training->stop_when_converged,
        "Hasten to the end of the training once held-out pixels have settled"},

@@ -29,9 +29,8 @@ std::string WhyNotCuda(const std::string& field_type) {
   }
 #else
   static_cast<void>(field_type);
-  return "this program was built without CUDA (STRUCTNERF_CUDA, for which "
-         "CMake has "
-         "to find nvcc)";
+  return "this program was built without CUDA (CMake's STRUCTNERF_CUDA, which "
+         "needs nvcc)";
 #endif
 }
 

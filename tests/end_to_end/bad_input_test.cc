@@ -152,6 +152,8 @@ TEST_F(BadInputTest, ExistingResultsNeedOverwrite) {
 
 TEST_F(BadInputTest, ExistingWorkspaceNeedsADecision) {
   fs::create_directories(temp_dir_ / "dense/images");
+  ExpectError("choose a new one");
+  model_.WriteModel(temp_dir_ / "dense/sparse");
   ExpectError("--workspace_path");
 }
 

