@@ -153,14 +153,17 @@ double Percent(const size_t part, const size_t whole) {
 void StageTimer::Begin(const std::string& name) {
   End();
   stages_.push_back({name, 0, 0});
-  timer_.Restart();
+  begin_ = std::chrono::steady_clock::now();
   start_cpu_seconds_ = CpuSeconds();
   running_ = true;
 }
 
 void StageTimer::End() {
   if (running_) {
-    stages_.back().seconds = timer_.ElapsedSeconds();
+    // COLMAP's timer follows the system's clock, which may be set.
+    stages_.back().seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_)
+            .count();
     stages_.back().cpu_seconds = CpuSeconds() - start_cpu_seconds_;
     running_ = false;
   }

@@ -5,12 +5,11 @@
 #include "nerf/reconstructor.h"
 #include "nerf/scene.h"
 
+#include <chrono>
 #include <cstddef>
 #include <map>
 #include <string>
 #include <vector>
-
-#include <colmap/util/timer.h>
 
 namespace structnerf {
 
@@ -59,7 +58,7 @@ class StageTimer {
 
  private:
   std::vector<StageReport> stages_;
-  colmap::Timer timer_;
+  std::chrono::steady_clock::time_point begin_;
   double start_cpu_seconds_ = 0;
   bool running_ = false;
 };

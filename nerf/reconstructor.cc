@@ -106,11 +106,9 @@ class Reconstructor::Impl {
     options = std::move(analysis.options);
     frame = analysis.frame;
     decisions = std::move(analysis.decisions);
-    for (size_t v = 0; v < scene.views.size(); ++v) {
-      (IsHeldOut(v, options.training.test_every) ? test_view_idxs
-                                                 : train_view_idxs)
-          .push_back(static_cast<int>(v));
-    }
+    const int test_every = options.training.test_every;
+    test_view_idxs = HeldOutViewIdxs(scene.views.size(), test_every);
+    train_view_idxs = TrainedViewIdxs(scene.views.size(), test_every);
     if (train_view_idxs.size() < 2) {
       throw std::invalid_argument(
           "test_every leaves fewer than two images to train on");

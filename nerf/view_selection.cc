@@ -70,6 +70,18 @@ std::vector<std::vector<int>> SelectNeighborViews(
   return sources;
 }
 
+std::vector<int> ViewIdxsThatAre(const bool held_out,
+                                 const size_t num_views,
+                                 const int test_every) {
+  std::vector<int> view_idxs;
+  for (size_t v = 0; v < num_views; ++v) {
+    if (IsHeldOut(v, test_every) == held_out) {
+      view_idxs.push_back(static_cast<int>(v));
+    }
+  }
+  return view_idxs;
+}
+
 }  // namespace
 
 double TriangulationAngle(const Eigen::Vector3d& center1,
@@ -157,13 +169,11 @@ bool IsHeldOut(const size_t view_idx, const int test_every) {
 }
 
 std::vector<int> HeldOutViewIdxs(const size_t num_views, const int test_every) {
-  std::vector<int> view_idxs;
-  for (size_t v = 0; v < num_views; ++v) {
-    if (IsHeldOut(v, test_every)) {
-      view_idxs.push_back(static_cast<int>(v));
-    }
-  }
-  return view_idxs;
+  return ViewIdxsThatAre(/*held_out=*/true, num_views, test_every);
+}
+
+std::vector<int> TrainedViewIdxs(const size_t num_views, const int test_every) {
+  return ViewIdxsThatAre(/*held_out=*/false, num_views, test_every);
 }
 
 std::vector<Appearance> SelectAppearances(

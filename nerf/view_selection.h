@@ -43,8 +43,9 @@ std::vector<std::vector<int>> SelectTrainingSources(
 // views the last, as in the paper; 0 = none.
 bool IsHeldOut(size_t view_idx, int test_every);
 
-// All of these, ascending.
+// All of these, and all others, ascending.
 std::vector<int> HeldOutViewIdxs(size_t num_views, int test_every);
+std::vector<int> TrainedViewIdxs(size_t num_views, int test_every);
 
 // The photographs whose latent codes a view is rendered with, see
 // RayTile::appearance.

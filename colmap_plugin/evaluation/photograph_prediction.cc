@@ -6,9 +6,7 @@
 #include "nerf/view_selection.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
-#include <numeric>
 #include <stdexcept>
 
 #include <opencv2/imgproc.hpp>
@@ -145,15 +143,8 @@ PhotographPrediction PredictHeldOutPhotographs(
     const colmap::Reconstruction& model,
     const int test_every) {
   const Scene scene = ConvertGeometry(model);
-  std::vector<int> train_view_idxs(scene.views.size());
-  std::iota(train_view_idxs.begin(), train_view_idxs.end(), 0);
-  train_view_idxs.erase(
-      std::remove_if(train_view_idxs.begin(),
-                     train_view_idxs.end(),
-                     [&](const int v) { return IsHeldOut(v, test_every); }),
-      train_view_idxs.end());
-  const std::vector<std::vector<int>> sources =
-      SelectSourceViews(scene, kNumSources, train_view_idxs);
+  const std::vector<std::vector<int>> sources = SelectSourceViews(
+      scene, kNumSources, TrainedViewIdxs(scene.views.size(), test_every));
   const WorkspaceMaps maps(workspace, model, MapType::kPhotometric);
   const auto read_photograph = [&](const View& view) {
     const std::string path = workspace.ImagePath(view.name);

@@ -74,25 +74,23 @@ TEST(QualityForTime, SpendsMoreOnLargePhotographs) {
   EXPECT_EQ(QualityForTime(options, cameras, 1).quality, "extreme");
 }
 
-TEST(QualityForTime, SavesSweepsBeforeItGivesUpMatching) {
+// But nothing of the kind where there is no matching.
+void ExpectOneSweep(const double minutes, const std::string& quality) {
   StructNerfOptions options = MakeOptions("medium");
-  options.max_minutes = 0.5;
+  options.max_minutes = minutes;
   const QualityChoice choice = QualityForTime(options, kCameras, 1);
-  EXPECT_EQ(choice.quality, "medium");
+  EXPECT_EQ(choice.quality, quality);
   EXPECT_EQ(choice.num_sweeps, 1);
-  // Nothing of the kind where there is no matching.
   options.method = "nerf";
   EXPECT_EQ(QualityForTime(options, kCameras, 1).num_sweeps, 0);
 }
 
+TEST(QualityForTime, SavesSweepsBeforeItGivesUpMatching) {
+  ExpectOneSweep(0.5, "medium");
+}
+
 TEST(QualityForTime, MatchesAfterAShortTrainingIfThatFits) {
-  StructNerfOptions options = MakeOptions("medium");
-  options.max_minutes = 0.35;
-  const QualityChoice choice = QualityForTime(options, kCameras, 1);
-  EXPECT_EQ(choice.quality, "low");
-  EXPECT_EQ(choice.num_sweeps, 1);
-  options.method = "nerf";
-  EXPECT_EQ(QualityForTime(options, kCameras, 1).num_sweeps, 0);
+  ExpectOneSweep(0.35, "low");
 }
 
 TEST(QualityForTime, NeedsMoreTimeOnASlowMachine) {

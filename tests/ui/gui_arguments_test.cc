@@ -20,6 +20,15 @@ namespace {
 
 using testing::HasSubstr;
 
+bool Parse(std::vector<std::string>* args, GuiArguments* arguments) {
+  std::vector<char*> argv;
+  for (std::string& arg : *args) {
+    argv.push_back(arg.data());
+  }
+  return ParseGuiArguments(
+      static_cast<int>(argv.size()), argv.data(), arguments);
+}
+
 TEST(GuiArguments, ReachTheDialog) {
   const TempDir folder;
   const TinyModel model = MakeTinyModel(3);
@@ -38,13 +47,8 @@ TEST(GuiArguments, ReachTheDialog) {
                                    "nerf",
                                    "--StructNeRF.num_steps",
                                    "123"};
-  std::vector<char*> argv;
-  for (std::string& arg : args) {
-    argv.push_back(arg.data());
-  }
   GuiArguments arguments;
-  ASSERT_TRUE(ParseGuiArguments(
-      static_cast<int>(argv.size()), argv.data(), &arguments));
+  ASSERT_TRUE(Parse(&args, &arguments));
 
   EXPECT_EQ(arguments.options.method, "nerf");
   EXPECT_EQ(arguments.options.reconstruction.loss.patch_weight, 0);
@@ -78,13 +82,8 @@ TEST(GuiArguments, WinOverTheProject) {
       << "[StructNeRF]\nquality=low\nnum_steps=12\nseed=3\n";
   std::vector<std::string> args = {
       "colmap", "--project_path", project_path, "--StructNeRF.num_steps=34"};
-  std::vector<char*> argv;
-  for (std::string& arg : args) {
-    argv.push_back(arg.data());
-  }
   GuiArguments arguments;
-  ASSERT_TRUE(ParseGuiArguments(
-      static_cast<int>(argv.size()), argv.data(), &arguments));
+  ASSERT_TRUE(Parse(&args, &arguments));
   EXPECT_EQ(arguments.options.quality, "low");
   EXPECT_EQ(arguments.options.reconstruction.stereo.num_iterations, 0);
   EXPECT_EQ(arguments.options.reconstruction.training.num_steps, 34);
