@@ -19,6 +19,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 output=$1 methods_file=$2
 shift 2
 [ -r "$methods_file" ] || die "the file $methods_file cannot be read"
+mapfile -t method_lines < "$methods_file"  # once: it may be a pipe
 build_project release colmap-structnerf structnerf_make_room structnerf_results_table >&2
 program=$build_dir/colmap_plugin/colmap-structnerf
 mkdir -p "$output/runs"
@@ -85,11 +86,12 @@ for scene in "$@"; do
   fi
   [ -d "$scene/sparse/0" ] || die "the scene $scene has no sparse/0"
   methods=()
-  while read -r method options; do
+  for line in "${method_lines[@]}"; do
+    read -r method options <<< "$line"
     case "$method" in ''|'#'*) continue ;; esac
     methods+=("$method")
     if [[ $options == *PRIOR* ]]; then
-      prior=$(prior_of "$scene" "$name" < /dev/null)
+      prior=$(prior_of "$scene" "$name")
       options=${options//PRIOR/$prior}
     fi
     for ((seed = 0; seed < ${SEEDS:-3}; ++seed)); do
@@ -97,9 +99,9 @@ for scene in "$@"; do
       [ -e "$result" ] && continue
       say "$name, $method, seed $seed"
       # shellcheck disable=SC2086 # options are words
-      run_once "$scene" "$result" "$seed" $options ${OPTIONS:-} < /dev/null
+      run_once "$scene" "$result" "$seed" $options ${OPTIONS:-}
     done
-  done < "$methods_file"
+  done
 done
 
 "$build_dir/tests/tools/structnerf_results_table" "$output/runs" "${methods[@]}"
