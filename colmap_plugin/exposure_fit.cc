@@ -1,6 +1,7 @@
 #include "colmap_plugin/exposure_fit.h"
 
 #include "colmap_plugin/text_output.h"
+#include "nerf/analysis/point_colors.h"
 #include "nerf/util/median.h"
 
 #include <algorithm>
@@ -15,13 +16,6 @@ namespace {
 // Variation beyond which exposures are significant.
 constexpr double kSignificantVariation = 0.02;
 
-// Observations that suffice for some hundred numbers per scene.
-constexpr size_t kMaxObservations = 30000;
-
-// Colours in which sensors do not tell more from less light.
-constexpr float kDarkest = 4.0f / 255.0f;
-constexpr float kBrightest = 251.0f / 255.0f;
-
 // How closely photographs show a colour, beyond which differences count less;
 // and how far exposures stray from each other unless points ask for it.
 constexpr double kColorDeviation = 0.03;
@@ -29,68 +23,6 @@ constexpr double kGainDeviation = 0.5;
 constexpr double kOffsetDeviation = 0.05;
 
 constexpr int kMaxIterations = 50;
-
-struct ColorObservation {
-  size_t view_idx = 0;
-  size_t point_idx = 0;
-  Eigen::Vector3f color;
-};
-
-// The colour between the four pixels around a point of the image.
-bool FindColor(const View& view,
-               const Eigen::Vector2d& xy,
-               Eigen::Vector3f* color) {
-  const RgbImage& image = view.image;
-  const double x = xy.x() * image.width / view.camera.width - 0.5;
-  const double y = xy.y() * image.height / view.camera.height - 0.5;
-  if (!(x >= 0 && y >= 0 && x < image.width - 1 && y < image.height - 1)) {
-    return false;
-  }
-  const size_t col = static_cast<size_t>(x);
-  const size_t row = static_cast<size_t>(y);
-  color->setZero();
-  for (size_t dy = 0; dy < 2; ++dy) {
-    for (size_t dx = 0; dx < 2; ++dx) {
-      const size_t pixel = (row + dy) * image.width + col + dx;
-      if (!view.mask.empty() && view.mask[pixel] == 0) {
-        return false;
-      }
-      const double weight =
-          std::abs(1 - dx - (x - col)) * std::abs(1 - dy - (y - row));
-      for (int c = 0; c < 3; ++c) {
-        (*color)[c] +=
-            static_cast<float>(weight * image.data[3 * pixel + c] / 255.0);
-      }
-    }
-  }
-  return color->minCoeff() >= kDarkest && color->maxCoeff() <= kBrightest;
-}
-
-// Of points that at least two views show, evenly chosen if they are too many.
-std::vector<ColorObservation> CollectColors(const Scene& scene) {
-  size_t num_all = 0;
-  for (const SparsePoint& point : scene.points) {
-    num_all += point.track.size();
-  }
-  const size_t stride = num_all / kMaxObservations + 1;
-  std::vector<ColorObservation> colors;
-  for (size_t i = 0; i < scene.points.size(); i += stride) {
-    const size_t begin = colors.size();
-    for (const Observation& observation : scene.points[i].track) {
-      ColorObservation color;
-      color.view_idx = static_cast<size_t>(observation.view_idx);
-      color.point_idx = i;
-      if (FindColor(
-              scene.views[color.view_idx], observation.xy, &color.color)) {
-        colors.push_back(color);
-      }
-    }
-    if (colors.size() - begin < 2) {
-      colors.resize(begin);
-    }
-  }
-  return colors;
-}
 
 // photograph - (gain * colour + offset), in deviations.
 struct ColorError {
@@ -123,13 +55,13 @@ struct ChannelFit {
 
 // Equal exposures, and of each point the mean of its colours.
 ChannelFit InitialFit(const Scene& scene,
-                      const std::vector<ColorObservation>& colors,
+                      const std::vector<PointColor>& colors,
                       const int channel) {
   ChannelFit fit;
   fit.exposures.resize(scene.views.size(), {1.0, 0.0});
   fit.colors.resize(scene.points.size(), 0.0);
   std::vector<int> counts(scene.points.size(), 0);
-  for (const ColorObservation& observation : colors) {
+  for (const PointColor& observation : colors) {
     fit.colors[observation.point_idx] += observation.color[channel];
     ++counts[observation.point_idx];
   }
@@ -139,11 +71,11 @@ ChannelFit InitialFit(const Scene& scene,
   return fit;
 }
 
-void Solve(const std::vector<ColorObservation>& colors,
+void Solve(const std::vector<PointColor>& colors,
            const int channel,
            ChannelFit* fit) {
   ceres::Problem problem;
-  for (const ColorObservation& observation : colors) {
+  for (const PointColor& observation : colors) {
     problem.AddResidualBlock(
         new ceres::AutoDiffCostFunction<ColorError, 1, 2, 1>(
             new ColorError{observation.color[channel]}),
@@ -190,11 +122,11 @@ void NormalizeMean(ChannelFit* fit) {
   }
 }
 
-void AddResiduals(const std::vector<ColorObservation>& colors,
+void AddResiduals(const std::vector<PointColor>& colors,
                   const int channel,
                   const ChannelFit& fit,
                   std::vector<double>* residuals) {
-  for (const ColorObservation& observation : colors) {
+  for (const PointColor& observation : colors) {
     const std::array<double, 2>& exposure = fit.exposures[observation.view_idx];
     residuals->push_back(std::abs(
         observation.color[channel] -
@@ -209,7 +141,7 @@ bool ExposureFit::IsSignificant() const {
 }
 
 ExposureFit FitExposures(const Scene& scene) {
-  const std::vector<ColorObservation> colors = CollectColors(scene);
+  const std::vector<PointColor> colors = CollectPointColors(scene);
   ExposureFit result;
   result.exposures.resize(scene.views.size());
   std::vector<double> residuals_before;
@@ -238,7 +170,10 @@ ExposureFit FitExposures(const Scene& scene) {
 SceneDecision ChooseExposures(const std::string& exposure, Scene* scene) {
   SceneDecision decision{"exposure", "equal for all images", ""};
   if (exposure == "none") {
-    decision.reason = "compensation was not asked for";
+    decision.reason =
+        FormatNumber("colours of points differ by %.1f %% of the range, but ",
+                     100 * MeasureColorSpread(*scene)) +
+        "compensation was not asked for";
     return decision;
   }
   const ExposureFit fit = FitExposures(*scene);

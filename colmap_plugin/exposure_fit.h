@@ -31,8 +31,8 @@ struct ExposureFit {
 };
 
 // Fits Exposure, channel by channel, to the colours in which the photographs
-// show the sparse points (robust least squares). Pixels that are masked, black
-// or saturated do not count. The same scene gives the same fit.
+// show the sparse points (CollectPointColors), by robust least squares. The
+// same scene gives the same fit.
 ExposureFit FitExposures(const Scene& scene);
 
 // Gives the views the exposures of the fit if `exposure`

@@ -83,6 +83,17 @@ size_t EstimateMlpMemory(const ReconstructionOptions& options) {
           MlpBatchSize(options.sampling).num_points * floats_per_point);
 }
 
+SceneDecision DescribeFarTerm(const TrainingObjective& objective,
+                              const LossOptions& loss) {
+  if (loss.far_weight == 0) {
+    return {"far term", "off", "as told"};
+  }
+  return {"far term",
+          "on",
+          std::to_string(std::lround(100 * objective.BlankShare())) +
+              " % of the pixels are blank"};
+}
+
 }  // namespace
 
 class Reconstructor::Impl {
@@ -128,6 +139,7 @@ class Reconstructor::Impl {
                                             options.loss,
                                             options.training,
                                             options.sampling.guide_by_prior);
+    decisions.push_back(DescribeFarTerm(*objective, options.loss));
     engine = make_engine(MakeEngineOptions(options, frame, scene.views.size()));
     patch_match = std::make_unique<PatchMatch>(
         scene, frame, objective->Views(), sources, options.stereo);

@@ -1,6 +1,8 @@
 #include "nerf/analysis/scene_analysis.h"
 
+#include "nerf/analysis/point_colors.h"
 #include "nerf/analysis/surface_size.h"
+#include "nerf/train/depth_prior.h"
 #include "nerf/util/median.h"
 
 #include <algorithm>
@@ -115,6 +117,35 @@ SceneDecision ChooseTableSize(const Scene& scene,
   return decision;
 }
 
+SceneDecision DescribeSamples(const Scene& scene,
+                              const SceneFrame& frame,
+                              const int num_samples) {
+  std::vector<double> ratios;  // of the largest depth in a view to the nearest
+  for (const std::vector<DepthSample>& samples : CollectDepthSamples(scene)) {
+    double farthest = 0;
+    for (const DepthSample& sample : samples) {
+      farthest = std::max(farthest, sample.depth);
+    }
+    ratios.push_back(std::max(1.0, farthest * frame.scale / frame.near));
+  }
+  const double ratio = Median(&ratios);
+  return {"samples",
+          Text("%d a ray", num_samples),
+          Text("spread evenly over depths up to %.0f times the nearest, they "
+               "would be %.0f %% apart",
+               ratio,
+               100 * (std::pow(ratio, 1.0 / num_samples) - 1))};
+}
+
+SceneDecision DescribeColor(const Scene& scene, const FieldOptions& field) {
+  const bool is_on = field.type == "mlp" || field.direction_degree > 0;
+  return {"view-dependent colour",
+          is_on ? "on" : "off",
+          Text("colours in which photographs show a point differ by %.1f %% of "
+               "the range",
+               100 * MeasureColorSpread(scene))};
+}
+
 SceneDecision DescribeSources(const Scene& scene, const LossOptions& loss) {
   const size_t num_views = scene.views.size();
   std::vector<uint8_t> are_neighbors(num_views * num_views, 0);
@@ -164,6 +195,12 @@ SceneDecision DescribeSuperpixels(const Scene& scene, const LossOptions& loss) {
                100.0 * num_planar / std::max<size_t>(1, num_pixels))};
 }
 
+bool HasPhotographs(const Scene& scene) {
+  return std::none_of(scene.views.begin(),
+                      scene.views.end(),
+                      [](const View& view) { return view.image.data.empty(); });
+}
+
 bool HasSegments(const Scene& scene) {
   return std::any_of(scene.views.begin(),
                      scene.views.end(),
@@ -183,6 +220,11 @@ SceneAnalysis AnalyzeScene(const Scene& scene,
         scene, frame, options.training.max_image_size, &field));
     analysis.decisions.push_back(ChooseNumLevels(&field));
     analysis.decisions.push_back(ChooseTableSize(scene, frame, &field));
+  }
+  analysis.decisions.push_back(
+      DescribeSamples(scene, frame, options.sampling.num_samples));
+  if (HasPhotographs(scene)) {
+    analysis.decisions.push_back(DescribeColor(scene, options.field));
   }
   analysis.decisions.push_back(DescribeSources(scene, options.loss));
   if (HasSegments(scene)) {

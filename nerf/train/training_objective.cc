@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace structnerf {
 namespace {
@@ -308,6 +309,17 @@ bool TrainingObjective::IsHeldOut(const int col, const int row) const {
 
 std::unique_ptr<TileObjective> TrainingObjective::MakeTileObjective() const {
   return std::make_unique<Tile>(*this);
+}
+
+double TrainingObjective::BlankShare() const {
+  size_t sum = 0;
+  size_t num_pixels = 0;
+  for (const std::vector<uint8_t>& blankness : blankness_) {
+    sum = std::accumulate(blankness.begin(), blankness.end(), sum);
+    num_pixels += blankness.size();
+  }
+  return static_cast<double>(sum) /
+         (255.0 * static_cast<double>(std::max<size_t>(1, num_pixels)));
 }
 
 PatchCounts TrainingObjective::CountPatches() const {

@@ -58,6 +58,10 @@ class TrainingObjective {
   // One thread's view of this objective, which must outlive it.
   std::unique_ptr<TileObjective> MakeTileObjective() const;
 
+  // Share of the pixels, by how blank they are, that the far term acts on; 0 if
+  // it is off.
+  double BlankShare() const;
+
   // By all tiles since construction.
   PatchCounts CountPatches() const;
 

@@ -127,8 +127,11 @@ TEST_F(RoomTest, TellsWhatTheSceneDecided) {
                                    "finest grid level",
                                    "grid levels",
                                    "grid table",
+                                   "samples",
+                                   "view-dependent colour",
                                    "source views",
-                                   "planar term"));
+                                   "planar term",
+                                   "far term"));
 
   // Known before the run, too.
   const ProgramResult printed = RunProgram({"structnerf_dense",

@@ -160,7 +160,27 @@ TEST(AnalyzeScene, TellsTheNumbers) {
   EXPECT_THAT(ChoiceOf(analysis, "grid table"),
               HasSubstr("pass through about"));
   EXPECT_THAT(ChoiceOf(analysis, "source views"), HasSubstr("2 of 2 others"));
+  // All points are equally far, and rays begin at 0.3 times their depth.
+  EXPECT_EQ(ChoiceOf(analysis, "samples"),
+            "16 a ray (spread evenly over depths up to 3 times the nearest, "
+            "they would be 8 % apart)");
+  EXPECT_EQ(ChoiceOf(analysis, "view-dependent colour"), "");
   EXPECT_EQ(ChoiceOf(analysis, "planar term"), "");
+}
+
+TEST(AnalyzeScene, LooksAtColorsOnceThereArePhotographs) {
+  Scene scene = WallScene(4, 640);
+  for (size_t v = 0; v < scene.views.size(); ++v) {
+    scene.views[v].image =
+        PlainImage(40, 30, static_cast<uint8_t>(102 + 51 * (v % 2)));
+  }
+  ReconstructionOptions options = PresetOf(320);
+  EXPECT_THAT(ChoiceOf(AnalyzeScene(scene, options), "view-dependent colour"),
+              HasSubstr("on (colours in which photographs show a point differ "
+                        "by 6.7 % of the range"));
+  options.field.direction_degree = 0;
+  EXPECT_THAT(ChoiceOf(AnalyzeScene(scene, options), "view-dependent colour"),
+              HasSubstr("off ("));
 }
 
 TEST(AnalyzeScene, LooksAtSuperpixelsOnceThereAreAny) {

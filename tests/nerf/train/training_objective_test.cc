@@ -125,5 +125,20 @@ TEST(IsHeldOut, OneOf256PixelsIfNoViewIs) {
   EXPECT_EQ(count(), 0);
 }
 
+TEST(BlankShare, IsThatOfTheFarTerm) {
+  ObjectiveScene test;
+  test.loss.far_weight = 0.01;
+  const double textured = test.MakeObjective().BlankShare();
+  // One of four views shows nothing.
+  RgbImage& image = test.scene.views[0].image;
+  image = PlainImage(image.width, image.height, 99);
+  const double with_blank = test.MakeObjective().BlankShare();
+  EXPECT_LT(textured, 0.5);
+  EXPECT_GT(with_blank, textured + 0.25 * (1 - textured) * 0.9);
+  EXPECT_LE(with_blank, 1);
+  test.loss.far_weight = 0;
+  EXPECT_EQ(test.MakeObjective().BlankShare(), 0);
+}
+
 }  // namespace
 }  // namespace structnerf
