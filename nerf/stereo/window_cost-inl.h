@@ -166,46 +166,65 @@ HWY_INLINE PixelWarp MakePixelWarp(const WarpVector& warp,
   return result;
 }
 
-// The pixel coordinates, first pixel's centre at zero, of a homogeneous point.
-HWY_INLINE void Project(const V* p, V* u, V* v) {
-  const D d;
-  const V guess = hn::ApproximateReciprocal(p[2]);
-  const V inverse =  // Newton
-      hn::Mul(guess, hn::NegMulAdd(p[2], guess, hn::Set(d, 2.0f)));
-  *u = hn::MulSub(p[0], inverse, hn::Set(d, 0.5f));
-  *v = hn::MulSub(p[1], inverse, hn::Set(d, 0.5f));
-}
+// Where a plane's window lands in a source: pixel coordinates, first pixel's
+// centre at zero, of the window's centre, and their change per pixel of the
+// window.
+struct Landing {
+  V u;
+  V v;
+  V u_by_x;
+  V u_by_y;
+  V v_by_x;
+  V v_by_y;
+  M is_seen;  // the whole window
+};
 
-// Where the source sees the whole window. A plane's window lands in a convex
-// quadrilateral, so its corners tell.
-HWY_INLINE M SeesWindow(const PixelWarp& warp,
+// To first order around the centre, which spares a division per tap. What is
+// left out is a twentieth of a pixel at the corner of a window where the source
+// is turned by 30 degrees, and nothing where plane and images are parallel.
+HWY_INLINE Landing Land(const PixelWarp& warp,
                         const Window& window,
-                        const V* center,
-                        const V* by_x,
-                        const V* by_y) {
+                        const Planes& planes) {
   const D d;
-  const V border = hn::Set(d, kBorder);
-  M result = hn::RebindMask(d, hn::Gt(warp.row_bytes, hn::Zero(DI())));
-  const float ends[2] = {window.offset[0], window.offset[window.side - 1]};
-  for (const float dy : ends) {
-    for (const float dx : ends) {
-      V p[3];
-      for (int i = 0; i < 3; ++i) {
-        p[i] = hn::MulAdd(by_x[i],
-                          hn::Set(d, dx),
-                          hn::MulAdd(by_y[i], hn::Set(d, dy), center[i]));
-      }
-      V u;
-      V v;
-      Project(p, &u, &v);
-      result = hn::And(result, hn::Gt(p[2], hn::Set(d, kMinDepthRatio)));
-      result =
-          hn::And(result, hn::And(hn::Ge(u, border), hn::Lt(u, warp.max_u)));
-      result =
-          hn::And(result, hn::And(hn::Ge(v, border), hn::Lt(v, warp.max_v)));
-    }
+  V center[3];
+  V by_x[3];
+  V by_y[3];
+  for (int i = 0; i < 3; ++i) {
+    center[i] = hn::MulAdd(warp.b[i], planes.rho, warp.center[i]);
+    by_x[i] = hn::MulAdd(warp.b[i], planes.rho_x, warp.by_x[i]);
+    by_y[i] = hn::MulAdd(warp.b[i], planes.rho_y, warp.by_y[i]);
   }
-  return result;
+  const V one = hn::Set(d, 1.0f);
+  const V half = hn::Set(d, 0.5f);
+  const M is_in_front = hn::Gt(center[2], hn::Set(d, kMinDepthRatio));
+  const V inverse = hn::Div(one, hn::IfThenElse(is_in_front, center[2], one));
+  const V u = hn::Mul(center[0], inverse);
+  const V v = hn::Mul(center[1], inverse);
+  Landing landing;
+  landing.u = hn::Sub(u, half);
+  landing.v = hn::Sub(v, half);
+  landing.u_by_x = hn::Mul(hn::NegMulAdd(u, by_x[2], by_x[0]), inverse);
+  landing.u_by_y = hn::Mul(hn::NegMulAdd(u, by_y[2], by_y[0]), inverse);
+  landing.v_by_x = hn::Mul(hn::NegMulAdd(v, by_x[2], by_x[1]), inverse);
+  landing.v_by_y = hn::Mul(hn::NegMulAdd(v, by_y[2], by_y[1]), inverse);
+  // A parallelogram is inside if its corners are.
+  const V reach =
+      hn::Set(d, std::max(-window.offset[0], window.offset[window.side - 1]));
+  const V reach_u =
+      hn::Mul(reach, hn::Add(hn::Abs(landing.u_by_x), hn::Abs(landing.u_by_y)));
+  const V reach_v =
+      hn::Mul(reach, hn::Add(hn::Abs(landing.v_by_x), hn::Abs(landing.v_by_y)));
+  const V border = hn::Set(d, kBorder);
+  const M is_inside_u =
+      hn::And(hn::Ge(hn::Sub(landing.u, reach_u), border),
+              hn::Lt(hn::Add(landing.u, reach_u), warp.max_u));
+  const M is_inside_v =
+      hn::And(hn::Ge(hn::Sub(landing.v, reach_v), border),
+              hn::Lt(hn::Add(landing.v, reach_v), warp.max_v));
+  const M is_there = hn::RebindMask(d, hn::Gt(warp.row_bytes, hn::Zero(DI())));
+  landing.is_seen = hn::And(hn::And(is_there, is_in_front),
+                            hn::And(is_inside_u, is_inside_v));
+  return landing;
 }
 
 // Grey value in [0, kMaxGray] by bilinear interpolation. `brightest` becomes at
@@ -260,16 +279,8 @@ HWY_INLINE V SourceCost(const uint16_t* grays,
   const D d;
   const DI di;
   const V one = hn::Set(d, 1.0f);
-  V center[3];
-  V by_x[3];
-  V by_y[3];
-  for (int i = 0; i < 3; ++i) {
-    center[i] = hn::MulAdd(warp.b[i], planes.rho, warp.center[i]);
-    by_x[i] = hn::MulAdd(warp.b[i], planes.rho_x, warp.by_x[i]);
-    by_y[i] = hn::MulAdd(warp.b[i], planes.rho_y, warp.by_y[i]);
-  }
-  const M is_seen = SeesWindow(warp, window, center, by_x, by_y);
-  if (hn::AllFalse(d, is_seen)) {
+  const Landing landing = Land(warp, window, planes);
+  if (hn::AllFalse(d, landing.is_seen)) {
     return hn::Set(d, kWorstCost);
   }
   VI brightest = hn::Zero(di);
@@ -279,20 +290,16 @@ HWY_INLINE V SourceCost(const uint16_t* grays,
   int tap = 0;
   for (int row = 0; row < window.side; ++row) {
     const V dy = hn::Set(d, window.offset[row]);
-    V row_center[3];
-    for (int i = 0; i < 3; ++i) {
-      row_center[i] = hn::MulAdd(by_y[i], dy, center[i]);
-    }
+    const V row_u = hn::MulAdd(landing.u_by_y, dy, landing.u);
+    const V row_v = hn::MulAdd(landing.v_by_y, dy, landing.v);
     for (int col = 0; col < window.side; ++col, ++tap) {
       const V dx = hn::Set(d, window.offset[col]);
-      V p[3];
-      for (int i = 0; i < 3; ++i) {
-        p[i] = hn::MulAdd(by_x[i], dx, row_center[i]);
-      }
-      V u;
-      V v;
-      Project(p, &u, &v);
-      const V value = InterpolateGray(grays, warp, u, v, is_seen, &brightest);
+      const V value = InterpolateGray(grays,
+                                      warp,
+                                      hn::MulAdd(landing.u_by_x, dx, row_u),
+                                      hn::MulAdd(landing.v_by_x, dx, row_v),
+                                      landing.is_seen,
+                                      &brightest);
       const V weighted = hn::Mul(window.weight[tap], value);
       sum = hn::Add(sum, weighted);
       sum_squares = hn::MulAdd(weighted, value, sum_squares);
@@ -312,7 +319,7 @@ HWY_INLINE V SourceCost(const uint16_t* grays,
               hn::Sqrt(hn::Mul(hn::Add(window.variance, noise),
                                hn::Add(variance, noise))));
   const M is_valid = hn::And(
-      is_seen,
+      landing.is_seen,
       hn::RebindMask(
           d, hn::Ne(brightest, hn::Set(di, TrainingViews::kMaskedGray))));
   return hn::IfThenElse(
