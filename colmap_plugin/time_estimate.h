@@ -22,7 +22,7 @@ struct TimeEstimate {
 // the least number of steps: fewer do not bring a field to rest, whatever comes
 // after them.
 constexpr double kMinTrainingShare = 0.25;
-constexpr double kMinTrainingSteps = 750;
+constexpr double kMinTrainingSteps = 400;
 
 // What a run will roughly take on this machine with nothing else to do: the
 // work that the options ask for, at rates that were measured on a server's core

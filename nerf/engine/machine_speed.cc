@@ -3,8 +3,10 @@
 #include "nerf/engine/grid_engine.h"
 #include "nerf/util/random.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 #include <memory>
 #include <vector>
 
@@ -54,6 +56,7 @@ double MeasureSlowness(const int num_threads) {
   std::vector<RayOutputs> outputs;
   engine->Render(tiles, /*with_color=*/false, &outputs);  // warms up
   const auto begin = std::chrono::steady_clock::now();
+  const std::clock_t cpu_begin = std::clock();  // of all threads
   int num_rounds = 0;
   double seconds = 0;
   while (seconds < kSeconds) {
@@ -63,9 +66,13 @@ double MeasureSlowness(const int num_threads) {
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin)
             .count();
   }
+  const double cpu_seconds =
+      static_cast<double>(std::max<std::clock_t>(1, std::clock() - cpu_begin)) /
+      CLOCKS_PER_SEC;
   const double num_rays =
       static_cast<double>(num_rounds) * kNumTiles * kMaxTileRays;
-  return seconds * engine->NumThreads() / (num_rays * kReferenceRaySeconds);
+  const double crowding = seconds * engine->NumThreads() / cpu_seconds;
+  return crowding * std::sqrt(cpu_seconds / (num_rays * kReferenceRaySeconds));
 }
 
 }  // namespace structnerf
