@@ -50,7 +50,7 @@ TEST_F(TerminalTest, ShowsABarThatIsRedrawnInPlace) {
   EXPECT_THAT(result.error, ContainsRegex("Training +.#+\\.+. [0-9]+ %"));
   EXPECT_THAT(result.error, HasSubstr(" left, loss "));
   // One line per stage in the end, and one per decision.
-  EXPECT_LT(std::count(result.error.begin(), result.error.end(), '\n'), 30);
+  EXPECT_LT(std::count(result.error.begin(), result.error.end(), '\n'), 23);
   EXPECT_THAT(result.out, HasSubstr("Points fused"));
 }
 

@@ -217,6 +217,13 @@ TEST(IsHeldOutTest, TheLastOfEveryFew) {
   EXPECT_EQ(held_out, (std::vector<size_t>{7, 15, 23}));
 }
 
+TEST(IsHeldOutTest, EveryViewIsHeldOutOrTrainedOn) {
+  EXPECT_THAT(HeldOutViewIdxs(7, 3), ElementsAre(2, 5));
+  EXPECT_THAT(TrainedViewIdxs(7, 3), ElementsAre(0, 1, 3, 4, 6));
+  EXPECT_TRUE(HeldOutViewIdxs(3, 0).empty());
+  EXPECT_THAT(TrainedViewIdxs(3, 0), ElementsAre(0, 1, 2));
+}
+
 TEST(SelectAppearancesTest, HeldOutViewsTakeZerosOrTheirNeighbors) {
   const auto zeros = SelectAppearances(6, {0, 2, 3}, "zero");
   EXPECT_THAT(zeros[1], ElementsAre(1, 1));

@@ -84,8 +84,8 @@ const RoomRun& ShortBaseRun() {
 
 // Training amplifies the last bit of a pose: what rounds differently is another
 // run in the end, like one from another seed. So the clouds are compared after
-// a few steps, within `max_difference`, and at the end with twice what another
-// seed does.
+// a few steps, within `max_difference`, and at the end with what another seed
+// does.
 std::string MeasureTransformed(const double scale,
                                const Eigen::Matrix3d& rotation,
                                const Eigen::Vector3d& translation,
@@ -113,7 +113,9 @@ std::string MeasureTransformed(const double scale,
       " in the end (another seed: " + ShortNumber(other_seed) + "); error " +
       ShortNumber(error) + " %, base " + ShortNumber(base_error) + " %" +
       GuardText(run.summary);
-  RequireStable(few_steps <= max_difference && all_steps < 2 * other_seed &&
+  // A room that is turned has another box, so another grid, too.
+  const double max_in_the_end = (rotation.isIdentity() ? 1.5 : 2) * other_seed;
+  RequireStable(few_steps <= max_difference && all_steps < max_in_the_end &&
                     error < 1.5 * base_error,
                 text);
   return text;
