@@ -4,6 +4,7 @@
 #include "colmap_plugin/json_text.h"
 #include "colmap_plugin/memory_budget.h"
 #include "colmap_plugin/text_output.h"
+#include "nerf/util/cpu_time.h"
 
 #include <cmath>
 #include <filesystem>
@@ -12,7 +13,6 @@
 
 #include <nlohmann/json.hpp>
 #include <opencv2/core/version.hpp>
-#include <sys/resource.h>
 
 namespace structnerf {
 namespace {
@@ -21,15 +21,6 @@ using nlohmann::json;
 
 // Raised when a field changes its name or meaning.
 constexpr int kSchemaVersion = 1;
-
-double CpuSeconds() {
-  rusage usage;
-  getrusage(RUSAGE_SELF, &usage);
-  const auto seconds = [](const timeval& time) {
-    return time.tv_sec + 1e-6 * time.tv_usec;
-  };
-  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
-}
 
 std::string CpuModel() {
   std::ifstream file("/proc/cpuinfo");
@@ -154,7 +145,7 @@ void StageTimer::Begin(const std::string& name) {
   End();
   stages_.push_back({name, 0, 0});
   begin_ = std::chrono::steady_clock::now();
-  start_cpu_seconds_ = CpuSeconds();
+  start_cpu_seconds_ = ProcessCpuSeconds();
   running_ = true;
 }
 
@@ -164,7 +155,7 @@ void StageTimer::End() {
     stages_.back().seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_)
             .count();
-    stages_.back().cpu_seconds = CpuSeconds() - start_cpu_seconds_;
+    stages_.back().cpu_seconds = ProcessCpuSeconds() - start_cpu_seconds_;
     running_ = false;
   }
 }

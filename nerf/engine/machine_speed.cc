@@ -1,12 +1,11 @@
 #include "nerf/engine/machine_speed.h"
 
 #include "nerf/engine/grid_engine.h"
+#include "nerf/util/cpu_time.h"
 #include "nerf/util/random.h"
 
-#include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <ctime>
 #include <memory>
 #include <vector>
 
@@ -56,7 +55,7 @@ double MeasureSlowness(const int num_threads) {
   std::vector<RayOutputs> outputs;
   engine->Render(tiles, /*with_color=*/false, &outputs);  // warms up
   const auto begin = std::chrono::steady_clock::now();
-  const std::clock_t cpu_begin = std::clock();  // of all threads
+  const double cpu_begin = ProcessCpuSeconds();
   int num_rounds = 0;
   double seconds = 0;
   while (seconds < kSeconds) {
@@ -66,9 +65,7 @@ double MeasureSlowness(const int num_threads) {
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin)
             .count();
   }
-  const double cpu_seconds =
-      static_cast<double>(std::max<std::clock_t>(1, std::clock() - cpu_begin)) /
-      CLOCKS_PER_SEC;
+  const double cpu_seconds = ProcessCpuSeconds() - cpu_begin;
   const double num_rays =
       static_cast<double>(num_rounds) * kNumTiles * kMaxTileRays;
   const double crowding = seconds * engine->NumThreads() / cpu_seconds;

@@ -1,7 +1,7 @@
 #include "nerf/engine/fused_network.h"
 #include "nerf/engine/ray_tile.h"
+#include "nerf/util/cpu_time.h"
 #include "nerf/util/random.h"
-#include "tests/benchmarks/cpu_time.h"
 #include "tests/benchmarks/engine_benchmarks.h"
 #include "tests/benchmarks/machine.h"
 #include "tests/benchmarks/trained_room.h"

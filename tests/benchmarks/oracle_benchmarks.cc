@@ -1,5 +1,5 @@
 #include "nerf/engine/torch_engine.h"
-#include "tests/benchmarks/cpu_time.h"
+#include "nerf/util/cpu_time.h"
 #include "tests/benchmarks/engine_benchmarks.h"
 #include "tests/benchmarks/trained_room.h"
 

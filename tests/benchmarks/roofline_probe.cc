@@ -1,8 +1,8 @@
 #include "tests/benchmarks/roofline_probe.h"
 
 #include "nerf/util/aligned_buffer.h"
+#include "nerf/util/cpu_time.h"
 #include "nerf/util/median.h"
-#include "tests/benchmarks/cpu_time.h"
 
 #include <cstdint>
 #include <thread>

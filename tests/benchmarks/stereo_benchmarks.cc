@@ -1,6 +1,6 @@
 #include "nerf/progress.h"
 #include "nerf/stereo/patch_match.h"
-#include "tests/benchmarks/cpu_time.h"
+#include "nerf/util/cpu_time.h"
 #include "tests/benchmarks/engine_benchmarks.h"
 #include "tests/nerf/plane_scene.h"
 

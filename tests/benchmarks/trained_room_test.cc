@@ -1,7 +1,7 @@
 #include "tests/benchmarks/trained_room.h"
 
 #include "nerf/engine/torch_engine.h"
-#include "tests/benchmarks/cpu_time.h"
+#include "nerf/util/cpu_time.h"
 #include "tests/benchmarks/sphere_room.h"
 
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "tests/benchmarks/cpu_time.h"
+#include "nerf/util/cpu_time.h"
 #include "tests/benchmarks/engine_benchmarks.h"
 #include "tests/benchmarks/machine.h"
 #include "tests/benchmarks/trained_room.h"
