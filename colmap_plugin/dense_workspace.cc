@@ -27,8 +27,10 @@ constexpr const char* kFusionConfig = "fusion.cfg";
 constexpr const char* kConfidenceFolder = "confidence";
 
 // In the report folder. Depth, three of the normal, distinctness.
-constexpr const char* kMatchedFolder = "matched";
-constexpr size_t kMatchedChannels = 5;
+constexpr const char* kInterimFolder = "interim";
+constexpr const char* kInterimSuffixes[] = {
+    ".rendered.bin", ".matched.bin", ".completed.bin"};
+constexpr size_t kInterimChannels = 5;
 
 }  // namespace
 
@@ -98,7 +100,8 @@ void DenseWorkspace::CreateFolders(
     }
     for (const std::string& image_name : image_names) {
       fs::create_directories(
-          fs::path(MatchedMapsPath(image_name)).parent_path());
+          fs::path(InterimMapsPath(image_name, InterimStage::kMatched))
+              .parent_path());
       fs::create_directories(
           fs::path(ConfidencePath(image_name)).parent_path());
     }
@@ -149,30 +152,32 @@ StereoMaps DenseWorkspace::ReadMaps(const std::string& image_name,
   return maps;
 }
 
-std::string DenseWorkspace::MatchedMapsPath(
-    const std::string& image_name) const {
-  return (fs::path(ReportFolder()) / kMatchedFolder / image_name).string() +
-         ".bin";
+std::string DenseWorkspace::InterimMapsPath(const std::string& image_name,
+                                            const InterimStage stage) const {
+  return (fs::path(ReportFolder()) / kInterimFolder / image_name).string() +
+         kInterimSuffixes[static_cast<size_t>(stage)];
 }
 
-void DenseWorkspace::WriteMatchedMaps(const std::string& image_name,
+void DenseWorkspace::WriteInterimMaps(const std::string& image_name,
+                                      const InterimStage stage,
                                       const DenseMaps& maps) const {
   std::vector<float> channels = maps.depth;
   channels.insert(channels.end(), maps.normal.begin(), maps.normal.end());
   channels.insert(
       channels.end(), maps.distinctness.begin(), maps.distinctness.end());
   const size_t num_pixels = maps.depth.size();
-  channels.resize(kMatchedChannels * num_pixels, 0.0f);  // without matching
+  channels.resize(kInterimChannels * num_pixels, 0.0f);  // without matching
   WriteArrayFile(
-      MatchedMapsPath(image_name), maps.width, maps.height, channels);
+      InterimMapsPath(image_name, stage), maps.width, maps.height, channels);
 }
 
-DenseMaps DenseWorkspace::ReadMatchedMaps(const std::string& image_name) const {
+DenseMaps DenseWorkspace::ReadInterimMaps(const std::string& image_name,
+                                          const InterimStage stage) const {
   const FloatArray array =
-      ReadArrayFile(MatchedMapsPath(image_name), kMatchedChannels);
+      ReadArrayFile(InterimMapsPath(image_name, stage), kInterimChannels);
   const std::vector<float>& channels = array.values;
   const auto num_pixels = static_cast<ptrdiff_t>(channels.size()) /
-                          static_cast<ptrdiff_t>(kMatchedChannels);
+                          static_cast<ptrdiff_t>(kInterimChannels);
   const auto normal = channels.begin() + num_pixels;
   const auto distinctness = normal + 3 * num_pixels;
   DenseMaps maps;
@@ -184,8 +189,8 @@ DenseMaps DenseWorkspace::ReadMatchedMaps(const std::string& image_name) const {
   return maps;
 }
 
-void DenseWorkspace::RemoveMatchedMaps() const {
-  fs::remove_all(fs::path(ReportFolder()) / kMatchedFolder);
+void DenseWorkspace::RemoveInterimMaps() const {
+  fs::remove_all(fs::path(ReportFolder()) / kInterimFolder);
 }
 
 std::string DenseWorkspace::ConfidencePath(

@@ -21,6 +21,13 @@ std::string MapTypeName(MapType type);
 // it is damaged or missing.
 StereoMaps ReadDepthMap(const std::string& path);
 
+// What has been done to the maps of a view that is not finished.
+enum class InterimStage {
+  kRendered,   // as the field has them
+  kMatched,    // and refined by matching, if the options say so
+  kCompleted,  // and with blank surfaces on planes
+};
+
 // Paths and files of one folder in COLMAP's dense layout:
 //
 //    images/ sparse/ stereo/{depth_maps,normal_maps,consistency_graphs}/
@@ -57,13 +64,16 @@ class DenseWorkspace {
   // Throws std::runtime_error if a file is damaged or missing.
   StereoMaps ReadMaps(const std::string& image_name, MapType type) const;
 
-  // Maps of a view before blank surfaces are put onto planes, in one file of
-  // the report folder for the time of a run: depth, normal and distinctness.
-  std::string MatchedMapsPath(const std::string& image_name) const;
-  void WriteMatchedMaps(const std::string& image_name,
+  // Maps of a view on their way, each in one file of the report folder for the
+  // time of a run: depth, normal and distinctness.
+  std::string InterimMapsPath(const std::string& image_name,
+                              InterimStage stage) const;
+  void WriteInterimMaps(const std::string& image_name,
+                        InterimStage stage,
                         const DenseMaps& maps) const;
-  DenseMaps ReadMatchedMaps(const std::string& image_name) const;
-  void RemoveMatchedMaps() const;
+  DenseMaps ReadInterimMaps(const std::string& image_name,
+                            InterimStage stage) const;
+  void RemoveInterimMaps() const;
 
   // Probability that the photometric depth of each pixel is right
   // (nerf/extract/confidence.h), in COLMAP's format of depth maps, in the

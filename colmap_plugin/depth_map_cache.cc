@@ -22,7 +22,7 @@ DepthMapCache::DepthMapCache(const DenseWorkspace* workspace,
       maps_(image_names_.size()),
       last_used_(image_names_.size(), 0) {}
 
-void DepthMapCache::Insert(const size_t view_idx, StereoMaps maps) {
+void DepthMapCache::Insert(const size_t view_idx, DenseMaps maps) {
   ++request_;
   Add(view_idx, std::move(maps));
   EvictUnused();
@@ -37,14 +37,15 @@ const std::vector<DenseMaps>& DepthMapCache::Require(
   for (const int view_idx : view_idxs) {
     if (maps_[view_idx].depth.empty()) {
       Add(view_idx,
-          workspace_->ReadMaps(image_names_[view_idx], MapType::kPhotometric));
+          workspace_->ReadInterimMaps(image_names_[view_idx],
+                                      InterimStage::kCompleted));
       EvictUnused();
     }
   }
   return maps_;
 }
 
-void DepthMapCache::Add(const size_t view_idx, StereoMaps maps) {
+void DepthMapCache::Add(const size_t view_idx, DenseMaps maps) {
   DenseMaps& entry = maps_[view_idx];
   entry.width = maps.width;
   entry.height = maps.height;

@@ -9,8 +9,9 @@
 
 namespace structnerf {
 
-// The photometric maps of all views while their consistency is checked. Those
-// that do not fit into the memory limit are read back from the workspace.
+// The maps of all views, blank surfaces on planes (InterimStage::kCompleted),
+// while their consistency is checked. Those that do not fit into the memory
+// limit are read back from the workspace.
 class DepthMapCache {
  public:
   // `workspace` must outlive this object. `max_bytes` is exceeded when the maps
@@ -20,15 +21,14 @@ class DepthMapCache {
                 size_t max_bytes);
 
   // Takes maps that have been written to the workspace already.
-  void Insert(size_t view_idx, StereoMaps maps);
+  void Insert(size_t view_idx, DenseMaps maps);
 
   // Maps of all views, of which those of `view_idxs` are present and others may
-  // be empty. Colours and deviations are always empty. Valid until the next
-  // call.
+  // be empty. Depth and normals only. Valid until the next call.
   const std::vector<DenseMaps>& Require(const std::vector<int>& view_idxs);
 
  private:
-  void Add(size_t view_idx, StereoMaps maps);
+  void Add(size_t view_idx, DenseMaps maps);
   void EvictUnused();
 
   const DenseWorkspace* workspace_;

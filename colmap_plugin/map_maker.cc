@@ -31,14 +31,29 @@ DenseMaps MapMaker::RenderView(const size_t view_idx,
                                const Reconstructor& reconstructor,
                                Progress* progress) {
   const std::string& name = options_.image_names[view_idx];
-  const std::string path = workspace_->MatchedMapsPath(name);
-  if (options_.reuses_maps && journal_->IsIntact(path)) {
-    return workspace_->ReadMatchedMaps(name);
+  const std::string path =
+      workspace_->InterimMapsPath(name, InterimStage::kMatched);
+  if (options_.reuses_maps && journal_->IsIntact(path) &&
+      (!options_.matches_views ||
+       journal_->IsIntact(
+           workspace_->InterimMapsPath(name, InterimStage::kRendered)))) {
+    return workspace_->ReadInterimMaps(name, InterimStage::kMatched);
   }
-  const DenseMaps maps = reconstructor.RenderView(view_idx, progress);
-  workspace_->WriteMatchedMaps(name, maps);
-  journal_->Add(path);
+  DenseMaps rendered;
+  const DenseMaps maps =
+      reconstructor.RenderView(view_idx, progress, &rendered);
+  if (options_.matches_views) {
+    WriteRendered(name, InterimStage::kRendered, rendered);
+  }
+  WriteRendered(name, InterimStage::kMatched, maps);
   return maps;
+}
+
+void MapMaker::WriteRendered(const std::string& image_name,
+                             const InterimStage stage,
+                             const DenseMaps& maps) {
+  workspace_->WriteInterimMaps(image_name, stage, maps);
+  journal_->Add(workspace_->InterimMapsPath(image_name, stage));
 }
 
 size_t MapMaker::CompletePlanes(Reconstructor* reconstructor,
@@ -48,26 +63,17 @@ size_t MapMaker::CompletePlanes(Reconstructor* reconstructor,
   size_t num_completed_pixels = 0;
   for (size_t i = 0; i < num_views; ++i) {
     const std::string& name = options_.image_names[i];
-    DenseMaps completed = workspace_->ReadMatchedMaps(name);
-    num_completed_pixels += reconstructor->CompletePlanes(i, &completed);
-    StereoMaps maps{completed.width,
-                    completed.height,
-                    std::move(completed.depth),
-                    std::move(completed.normal)};
+    DenseMaps maps = workspace_->ReadInterimMaps(name, InterimStage::kMatched);
+    num_completed_pixels += reconstructor->CompletePlanes(i, &maps);
+    maps.distinctness.clear();
     if (!options_.mask_path.empty()) {
       const auto mask =
           ReadMask(options_.mask_path, name, maps.width, maps.height);
       if (!mask.empty()) {
-        maps.KeepOnly(mask);
+        KeepOnly([&](const size_t pixel) { return mask[pixel] != 0; }, &maps);
       }
     }
-    workspace_->WriteMaps(name, MapType::kPhotometric, maps);
-    views_.push_back({name,
-                      maps.width,
-                      maps.height,
-                      maps.NumDepths(),
-                      /*num_geometric=*/0,
-                      scene_->views[i].exposure});
+    workspace_->WriteInterimMaps(name, InterimStage::kCompleted, maps);
     depth_maps_.Insert(i, std::move(maps));
     stage->Report(i + 1, num_views);
   }
@@ -83,7 +89,7 @@ void MapMaker::CheckConsistency(
     std::vector<int> required = source_views[i];
     required.push_back(static_cast<int>(i));
     const std::vector<DenseMaps>& all_maps = depth_maps_.Require(required);
-    const ViewConsistency consistency =
+    ViewConsistency consistency =
         structnerf::CheckConsistency(*scene_,
                                      all_maps,
                                      i,
@@ -91,23 +97,40 @@ void MapMaker::CheckConsistency(
                                      options_.extraction,
                                      &pool,
                                      stage->Inner());
-
-    const DenseMaps& photometric = all_maps[i];
-    workspace_->WriteConfidence(
-        name,
-        photometric.width,
-        photometric.height,
-        EstimateConfidence(
-            scene_->views[i].camera, photometric, consistency.angles));
-    StereoMaps maps{photometric.width,
-                    photometric.height,
-                    photometric.depth,
-                    photometric.normal};
-    maps.KeepOnly(ConfirmedPixels(consistency, maps.width));
-    workspace_->WriteMaps(name, MapType::kGeometric, maps);
+    DenseMaps maps = all_maps[i];
+    const std::vector<uint8_t> is_confirmed =
+        ConfirmedPixels(consistency, maps.width);
+    StereoMaps geometric{maps.width, maps.height, maps.depth, maps.normal};
+    geometric.KeepOnly(is_confirmed);
+    workspace_->WriteMaps(name, MapType::kGeometric, geometric);
     workspace_->WriteConsistencyGraph(
         name, maps.width, maps.height, consistency.records);
-    views_[i].num_geometric = maps.NumDepths();
+
+    if (options_.matches_views) {
+      ReplaceUnconfirmed(
+          is_confirmed,
+          workspace_->ReadInterimMaps(name, InterimStage::kRendered),
+          &maps);
+      for (size_t pixel = 0; pixel < is_confirmed.size(); ++pixel) {
+        consistency.angles[pixel] *= is_confirmed[pixel];
+      }
+    }
+    workspace_->WriteConfidence(name,
+                                maps.width,
+                                maps.height,
+                                EstimateConfidence(scene_->views[i].camera,
+                                                   maps,
+                                                   consistency.angles,
+                                                   options_.matches_views));
+    const StereoMaps photometric{
+        maps.width, maps.height, std::move(maps.depth), std::move(maps.normal)};
+    workspace_->WriteMaps(name, MapType::kPhotometric, photometric);
+    views_.push_back({name,
+                      photometric.width,
+                      photometric.height,
+                      photometric.NumDepths(),
+                      geometric.NumDepths(),
+                      scene_->views[i].exposure});
     stage->Report(i + 1, num_views);
   }
   workspace_->WriteConfigs(options_.image_names, source_views);

@@ -27,6 +27,9 @@ struct MapMakerOptions {
   // not: training may have been stopped at another step.
   bool reuses_maps = false;
 
+  // ReconstructionOptions::MatchesViews.
+  bool matches_views = false;
+
   // For maps that are held at once.
   size_t max_bytes = 0;
 
@@ -50,11 +53,13 @@ class MapMaker {
   // Depth and normals as the field and matching have them.
   void RenderMaps(Reconstructor* reconstructor, StageProgress* stage);
 
-  // Puts blank surfaces onto planes, if the options of the method say so, and
-  // writes the photometric maps. Returns the number of pixels on planes.
+  // Puts blank surfaces onto planes, if the options of the method say so.
+  // Returns the number of pixels on planes.
   size_t CompletePlanes(Reconstructor* reconstructor, StageProgress* stage);
 
-  // Writes the geometric maps, what confirms them, and the confidence.
+  // Writes the geometric maps and what confirms them, and the photometric ones,
+  // in which pixels that no view confirms have the depth of the field, with
+  // their confidence.
   // `source_views`: Reconstructor::SourceViews.
   void CheckConsistency(const std::vector<std::vector<int>>& source_views,
                         StageProgress* stage);
@@ -67,6 +72,9 @@ class MapMaker {
   DenseMaps RenderView(size_t view_idx,
                        const Reconstructor& reconstructor,
                        Progress* progress);
+  void WriteRendered(const std::string& image_name,
+                     InterimStage stage,
+                     const DenseMaps& maps);
 
   const MapMakerOptions options_;
   const Scene* scene_;

@@ -24,24 +24,27 @@ namespace fs = std::filesystem;
 // Depth and three planes of normals.
 constexpr size_t kStereoBytesPerPixel = 4 * sizeof(float);
 
-// The above with deviation, distinctness and colour, while a view is rendered.
-constexpr size_t kDenseBytesPerPixel = 6 * sizeof(float) + 3;
+// The above with deviation, distinctness and colour, while a view is rendered,
+// and once more without the latter two, as the field has them.
+constexpr size_t kDenseBytesPerPixel =
+    6 * sizeof(float) + 3 + 5 * sizeof(float);
 
 // A decoded photograph and its conversion or undistortion.
 constexpr size_t kDecodingBytesPerPixel = 2 * 3;
 
-// While a view is checked: its geometric maps, angle, confidence and whether it
-// is confirmed; of a confirmed pixel the record, once in its row and twice in
-// the list of all as that grows, and what the list of views takes beside them.
-constexpr size_t kCheckBytesPerPixel = kStereoBytesPerPixel +
+// While a view is checked: its geometric and photometric maps and those of the
+// field, angle, confidence and whether it is confirmed; of a confirmed pixel
+// the record, once in its row and twice in the list of all as that grows, and
+// what the list of views takes beside them.
+constexpr size_t kCheckBytesPerPixel = 3 * kStereoBytesPerPixel +
                                        2 * sizeof(float) + 1 +
                                        3 * sizeof(ConsistencyRecord) + 16;
 constexpr size_t kCheckBytesPerPixelAndSource = sizeof(int);
 
-// Both kinds of maps, those before planes are completed with distinctness,
-// confidence, and consistency graphs that are about half full.
+// Both kinds of maps, three interim ones with distinctness, confidence, and
+// consistency graphs that are about half full.
 constexpr size_t kDiskBytesPerPixel =
-    3 * kStereoBytesPerPixel + 2 * sizeof(float) + 16;
+    5 * kStereoBytesPerPixel + (3 + 1) * sizeof(float) + 16;
 
 // Copies of the sparse model, stacks of threads, what the allocator keeps.
 constexpr size_t kOverheadBytes = size_t{64} << 20;

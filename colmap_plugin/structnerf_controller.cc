@@ -355,6 +355,7 @@ void StructNerfController::MakeMaps() {
   MapMakerOptions maker_options;
   maker_options.image_names = image_names_;
   maker_options.mask_path = mask_path_;
+  maker_options.matches_views = options_.reconstruction.MatchesViews();
   maker_options.reuses_maps = checkpoint_.is_complete;
   maker_options.max_bytes = memory_plan_.depth_map_bytes;
   maker_options.extraction = extraction_;
@@ -432,7 +433,7 @@ void StructNerfController::WriteResults() {
   WriteReport(report_, workspace_->ReportFolder());
   staged_folder_->Commit();
   // Only now: a run that is killed while results are moved still needs them.
-  DenseWorkspace(options_.ResultPath()).RemoveMatchedMaps();
+  DenseWorkspace(options_.ResultPath()).RemoveInterimMaps();
 }
 
 void StructNerfController::EndIfToldTo() {

@@ -85,8 +85,7 @@ TimeEstimate EstimateTime(const StructNerfOptions& options,
 QualityChoice QualityForTime(const StructNerfOptions& options,
                              const std::vector<PinholeCamera>& cameras,
                              const double slowness) {
-  const bool has_matching =
-      MakePreset(options.method, "high").stereo.num_iterations > 0;
+  const bool has_matching = MakePreset(options.method, "high").MatchesViews();
   StructNerfOptions planned = options;
   StereoOptions& stereo = planned.reconstruction.stereo;
   for (const Candidate& candidate : MakeCandidates(cameras)) {

@@ -75,6 +75,19 @@ class RangeChecker {
 
 constexpr double kAnyWeight = 1e6;
 
+// Matches of two views err independently, unlike the depth of one field: that
+// they agree says more.
+constexpr double kMaxDepthErrorOfMatches = 0.03;
+constexpr double kMaxReprojectionErrorOfMatches = 3.0;
+constexpr double kMinAngleOfMatches = 3.0;
+
+void MatchViews(const int num_iterations, ReconstructionOptions* options) {
+  options->stereo.num_iterations = num_iterations;
+  options->extraction.max_relative_depth_error = kMaxDepthErrorOfMatches;
+  options->extraction.max_reprojection_error = kMaxReprojectionErrorOfMatches;
+  options->extraction.min_triangulation_angle = kMinAngleOfMatches;
+}
+
 }  // namespace
 
 bool FieldOptions::Check(std::string* error) const {
@@ -169,9 +182,6 @@ bool StereoOptions::Check(std::string* error) const {
       .In("num_used_sources", num_used_sources, 1, 32)
       .In("num_best_sources", num_best_sources, 1, 32)
       .In("perturbation", perturbation, 0.0, 1.0)
-      .In("prior_weight", prior_weight, 0.0, 10.0)
-      .In("prior_tolerance", prior_tolerance, 1e-6, 10.0)
-      .In("max_cost", max_cost, 0.0, 2.0)
       .Report(error);
 }
 
@@ -196,8 +206,12 @@ bool ReconstructionOptions::NeedsPrior() const {
          sampling.bound_by_prior;
 }
 
+bool ReconstructionOptions::MatchesViews() const {
+  return stereo.num_iterations > 0;
+}
+
 bool ReconstructionOptions::CompletesPlanes() const {
-  return stereo.num_iterations > 0 && stereo.complete_planes;
+  return MatchesViews() && stereo.complete_planes;
 }
 
 ReconstructionOptions QualityPreset(const std::string& quality) {
@@ -218,7 +232,7 @@ ReconstructionOptions QualityPreset(const std::string& quality) {
     options.loss.sparse_fraction = 1;
     options.loss.patch_dilation = 3;
     options.sampling.num_samples = 32;
-    options.stereo.num_iterations = 4;
+    MatchViews(4, &options);
   } else if (quality == "high" || quality == "extreme") {
     // What extreme spends, it spends on more pixels: neither more samples nor
     // more sweeps nor more steps gain anything (nerf/EXPERIMENTS.md).
@@ -226,7 +240,7 @@ ReconstructionOptions QualityPreset(const std::string& quality) {
     options.training.max_image_size = quality == "high" ? 640 : 1600;
     options.loss.patch_dilation = 6;
     options.sampling.num_samples = 32;
-    options.stereo.num_iterations = 4;
+    MatchViews(4, &options);
   } else if (quality == "paper") {
     options.field.type = "mlp";
     options.sampling.num_samples = 64;

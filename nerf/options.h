@@ -209,6 +209,9 @@ struct TrainingOptions {
 };
 
 // Matching of slanted windows, seeded by the field, at the end (nerf/stereo).
+// Nothing holds a match near its seed, so that those of two views err
+// independently and each can confirm the other. What no view confirms gets the
+// field's depth back (ReplaceUnconfirmed in nerf/extract/consistency.h).
 struct StereoOptions {
   // Sweeps over each view; 0 = leave the field's depth as it is.
   int num_iterations = 2;
@@ -225,13 +228,6 @@ struct StereoOptions {
   // Random changes of depth in the first sweep, relative; they halve from sweep
   // to sweep.
   double perturbation = 0.02;
-
-  // Cost of leaving the seed, reached at this relative difference in depth.
-  double prior_weight = 0.15;
-  double prior_tolerance = 0.1;
-
-  // Pixels that match worse than this keep the field's depth.
-  double max_cost = 0.5;
 
   // Whether blank surfaces are put onto planes that several views agree on
   // (nerf/planes), once all views have been matched.
@@ -275,6 +271,9 @@ struct ReconstructionOptions {
 
   // Whether anything asks for View::prior_depth.
   bool NeedsPrior() const;
+
+  // Whether the field's depth is refined by matching.
+  bool MatchesViews() const;
 
   // Whether blank surfaces are put onto planes, which needs matched depth.
   bool CompletesPlanes() const;

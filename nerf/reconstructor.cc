@@ -205,10 +205,11 @@ size_t Reconstructor::EstimateMemory(const ReconstructionOptions& options,
   const size_t training_pixels =
       camera.Reduced(options.training.max_image_size).NumPixels();
   const size_t refinement =
-      options.stereo.num_iterations > 0
-          ? training_pixels *
-                (kBytesPerRefinedPixel + kBytesPerRefinedPixelAndSource *
-                                             options.stereo.num_used_sources)
+      options.MatchesViews()
+          ? camera.NumPixels() * kBytesPerMapPixel +
+                training_pixels * (kBytesPerRefinedPixel +
+                                   kBytesPerRefinedPixelAndSource *
+                                       options.stereo.num_used_sources)
           : 0;
   const size_t bytes_per_training_pixel =
       kBytesPerTrainingPixel +
@@ -267,26 +268,29 @@ void Reconstructor::Train(Progress* progress,
 }
 
 DenseMaps Reconstructor::RenderView(const size_t view_idx,
-                                    Progress* progress) const {
+                                    Progress* progress,
+                                    DenseMaps* field) const {
   const View& view = impl_->scene.views.at(view_idx);
   DenseMaps maps =
       RenderDepth(view, impl_->frame, impl_->engine.get(), progress);
   EstimateNormals(view.camera, impl_->pool.get(), progress, &maps);
-  if (impl_->options.stereo.num_iterations > 0) {
+  const float max_std =
+      static_cast<float>(impl_->options.extraction.max_relative_std);
+  KeepOnly([&](const size_t i) { return maps.relative_std[i] <= max_std; },
+           &maps);
+  if (field != nullptr) {
+    *field = maps;
+  }
+  if (impl_->options.MatchesViews()) {
     RefineDepth(view,
                 static_cast<int>(view_idx),
                 impl_->frame,
                 impl_->objective->Views().image(static_cast<int>(view_idx)),
                 *impl_->patch_match,
-                impl_->options.stereo.max_cost,
                 impl_->pool.get(),
                 progress,
                 &maps);
   }
-  const float max_std =
-      static_cast<float>(impl_->options.extraction.max_relative_std);
-  KeepOnly([&](const size_t i) { return maps.relative_std[i] <= max_std; },
-           &maps);
   return maps;
 }
 

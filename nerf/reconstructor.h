@@ -78,8 +78,12 @@ class Reconstructor {
              const CheckpointOptions& checkpoints = {},
              double max_seconds = 0);
 
-  // Depth and normals of one view from what has been learned so far.
-  DenseMaps RenderView(size_t view_idx, Progress* progress) const;
+  // Depth and normals of one view from what has been learned so far, refined by
+  // matching if the options say so. `field` receives them before matching;
+  // null = not needed.
+  DenseMaps RenderView(size_t view_idx,
+                       Progress* progress,
+                       DenseMaps* field = nullptr) const;
 
   // Puts blank surfaces onto planes that several views agree on, if the options
   // say so: AddMaps for all views as RenderView returned them, then FindPlanes,

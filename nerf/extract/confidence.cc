@@ -9,6 +9,7 @@ namespace structnerf {
 namespace {
 
 constexpr double kIntercept = -0.42;
+constexpr double kInterceptOfMatches = 0.18;
 constexpr double kByLogAngle = 0.73;
 constexpr double kByLogSlope = -0.48;
 
@@ -57,7 +58,9 @@ double LargestSlope(const PinholeCamera& camera,
 
 std::vector<float> EstimateConfidence(const PinholeCamera& camera,
                                       const DenseMaps& maps,
-                                      const std::vector<float>& angles) {
+                                      const std::vector<float>& angles,
+                                      const bool is_matched) {
+  const double intercept = is_matched ? kInterceptOfMatches : kIntercept;
   const int offset = WholePixelsPerReferencePixel(camera);
   std::vector<float> confidence(maps.depth.size(), 0.0f);
   for (int row = 0; row < maps.height; ++row) {
@@ -70,7 +73,7 @@ std::vector<float> EstimateConfidence(const PinholeCamera& camera,
           std::clamp(static_cast<double>(angles[pixel]), kMinAngle, kMaxAngle);
       const double slope = std::clamp(
           LargestSlope(camera, maps, col, row, offset), kMinSlope, kMaxSlope);
-      const double logit = kIntercept + kByLogAngle * std::log(angle) +
+      const double logit = intercept + kByLogAngle * std::log(angle) +
                            kByLogSlope * std::log(slope);
       confidence[pixel] = static_cast<float>(1 / (1 + std::exp(-logit)));
     }

@@ -17,11 +17,14 @@ constexpr double kConfidentError = 0.05;
 // scene: the angle under which a view confirms the pixel (`angles` of
 // nerf/extract/consistency.h), and how steeply depth changes around it, in
 // relative change per radian, because depth is least certain at edges. Its
-// three coefficients were fitted to the maps of two real rooms at three
-// qualities; structnerf_eval says how well it predicts on any scene with ground
-// truth. Poses that are wrong as a whole are beyond it.
+// coefficients were fitted to the maps of two real rooms; one of them depends
+// on whether depth was matched (`is_matched`), because matches err
+// independently, so that a view that confirms one says more. structnerf_eval
+// says how well it predicts on any scene with ground truth. Poses that are
+// wrong as a whole are beyond it.
 std::vector<float> EstimateConfidence(const PinholeCamera& camera,
                                       const DenseMaps& maps,
-                                      const std::vector<float>& angles);
+                                      const std::vector<float>& angles,
+                                      bool is_matched = false);
 
 }  // namespace structnerf

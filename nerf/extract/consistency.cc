@@ -172,6 +172,21 @@ std::vector<uint8_t> ConfirmedPixels(const ViewConsistency& consistency,
   return is_confirmed;
 }
 
+void ReplaceUnconfirmed(const std::vector<uint8_t>& is_confirmed,
+                        const DenseMaps& other,
+                        DenseMaps* maps) {
+  const size_t num_pixels = maps->depth.size();
+  for (size_t i = 0; i < num_pixels; ++i) {
+    if (is_confirmed[i] || maps->depth[i] == 0) {
+      continue;
+    }
+    maps->depth[i] = other.depth[i];
+    for (size_t axis = 0; axis < 3; ++axis) {
+      maps->normal[axis * num_pixels + i] = other.normal[axis * num_pixels + i];
+    }
+  }
+}
+
 ExtractionOptions FitToScene(const ExtractionOptions& options,
                              const Scene& scene) {
   ExtractionOptions fitted = options;

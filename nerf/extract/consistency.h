@@ -40,6 +40,12 @@ ViewConsistency CheckConsistency(const Scene& scene,
 std::vector<uint8_t> ConfirmedPixels(const ViewConsistency& consistency,
                                      int width);
 
+// Gives pixels that nobody confirms the depth and the normal of other maps of
+// the same view. Those without a depth stay without.
+void ReplaceUnconfirmed(const std::vector<uint8_t>& is_confirmed,
+                        const DenseMaps& other,
+                        DenseMaps* maps);
+
 // The options for a scene that offers less than they ask for: at most all other
 // views must confirm a pixel, and under at most half the median of the angles
 // under which its sparse points are seen.

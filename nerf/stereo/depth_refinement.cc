@@ -108,7 +108,6 @@ void RefineDepth(const View& view,
                  const SceneFrame& frame,
                  const TrainingViews::Image& image,
                  const PatchMatch& patch_match,
-                 const double max_cost,
                  ThreadPool* pool,
                  Progress* progress,
                  DenseMaps* maps) {
@@ -132,7 +131,8 @@ void RefineDepth(const View& view,
           std::min(static_cast<int>(static_cast<double>(map_row) / ratio_y),
                    image.height - 1);
       const size_t index = static_cast<size_t>(row) * image.width + col;
-      if (!(planes.cost[index] <= max_cost)) {
+      // No better than without texture: it is still the seed.
+      if (!(planes.cost[index] < 1)) {
         continue;
       }
       ImagePlane plane;

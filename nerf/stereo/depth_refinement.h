@@ -18,15 +18,14 @@ PlaneMaps PlanesOfMaps(const View& view,
                        const DenseMaps& maps);
 
 // Matches a view's patches with its sources, starting from the rendered depth
-// and normals in `maps`, and puts the planes found where they match at most
-// `max_cost`, with their distinctness. Other pixels, and those without a depth,
+// and normals in `maps`, and puts the planes found there, with their
+// distinctness. Pixels that do not match at all, and those without a depth,
 // stay as they are. Throws Aborted if told to abort.
 void RefineDepth(const View& view,
                  int view_idx,
                  const SceneFrame& frame,
                  const TrainingViews::Image& image,
                  const PatchMatch& patch_match,
-                 double max_cost,
                  ThreadPool* pool,
                  Progress* progress,
                  DenseMaps* maps);

@@ -30,7 +30,7 @@ struct PatchMatchSweep {
   const StereoOptions* options = nullptr;
   const float* seed_rho = nullptr;
   PlaneMaps* maps = nullptr;
-  float* total_cost = nullptr;    // per pixel, with the prior
+  float* total_cost = nullptr;    // per pixel, what is minimised
   int32_t* best_slots = nullptr;  // num_used_slots per pixel
   int num_used_slots = 0;
   // -1 = evaluate the seed and choose the sources, num_iterations = measure
@@ -48,20 +48,6 @@ namespace HWY_NAMESPACE {
 
 // Relative changes of inverse depth at which a match must be worse.
 constexpr float kDistinctChanges[] = {-0.06f, -0.03f, 0.03f, 0.06f};
-
-HWY_INLINE V PriorCost(const PatchMatchSweep& sweep,
-                       const V rho,
-                       const V seed_rho) {
-  const D d;
-  const StereoOptions& options = *sweep.options;
-  const V difference =
-      hn::Abs(hn::Sub(hn::Div(rho, seed_rho), hn::Set(d, 1.0f)));
-  const V share = hn::Min(
-      hn::Mul(difference,
-              hn::Set(d, static_cast<float>(1.0 / options.prior_tolerance))),
-      hn::Set(d, 1.0f));
-  return hn::Mul(share, hn::Set(d, static_cast<float>(options.prior_weight)));
-}
 
 // One vector of pixels of one colour in one row.
 class PixelBlock {
@@ -280,8 +266,7 @@ class PixelBlock {
     }
     *cost = MeanOfBest(
         costs, sweep_.num_used_slots, sweep_.options->num_best_sources);
-    return hn::Add(hn::Min(*cost, hn::Set(D(), 1.0f)),
-                   PriorCost(sweep_, planes.rho, seed_rho_));
+    return hn::Min(*cost, hn::Set(D(), 1.0f));
   }
 
   void Try(const Planes& planes, M allowed) {

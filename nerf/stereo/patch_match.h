@@ -35,12 +35,10 @@ struct PlaneMaps {
 
 // Slanted-window stereo (Bleyer et al. 2011) between one view and its sources,
 // seeded by the radiance field. Planes spread between neighbouring pixels and
-// are perturbed at random; what is kept minimises
-//   min(1, cost) +
-//   prior_weight * min(1, |rho / rho_seed - 1| / prior_tolerance).
-// The cost is one minus the correlation (normalised, bilaterally weighted) of
-// the patch, averaged over the best sources. Without texture the correlation is
-// damped to zero, so blank areas keep their seed; masked pixels do, too.
+// are perturbed at random; what is kept minimises min(1, cost). The cost is one
+// minus the correlation (normalised, bilaterally weighted) of the patch,
+// averaged over the best sources. Without any texture the correlation is damped
+// to zero, so blank areas keep their seed; masked pixels do, too.
 //
 // Pixels are worked on in vectors, in two colours of a checkerboard, and the
 // random numbers depend on pixel and iteration only: results do not depend on

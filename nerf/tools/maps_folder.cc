@@ -116,20 +116,27 @@ std::string ImageSizeWarning(const std::vector<View>& views,
   return "";
 }
 
-// The maps before other views have confirmed them, of all views.
+// The maps before other views have confirmed them, of all views. With matching,
+// `fields` receives those of the field.
 std::vector<DenseMaps> RenderMaps(const std::vector<View>& views,
-                                  const bool completes_planes,
                                   Reconstructor* reconstructor,
+                                  std::vector<DenseMaps>* fields,
                                   Progress* progress) {
+  const ReconstructionOptions& options = reconstructor->Options();
   SilentProgress view_progress(progress);
   std::vector<DenseMaps> all_maps;
   for (size_t i = 0; i < views.size(); ++i) {
-    all_maps.push_back(reconstructor->RenderView(i, &view_progress));
+    DenseMaps field;
+    all_maps.push_back(reconstructor->RenderView(i, &view_progress, &field));
+    if (options.MatchesViews()) {
+      field.relative_std = {};
+      fields->push_back(std::move(field));
+    }
     reconstructor->AddMaps(i, all_maps.back());
     ReportItems("Rendering depth maps", i + 1, views.size(), progress);
   }
   const std::string completion_name =
-      completes_planes ? "Completing planes" : "Finishing depth maps";
+      options.CompletesPlanes() ? "Completing planes" : "Finishing depth maps";
   reconstructor->FindPlanes(&view_progress);
   for (size_t i = 0; i < views.size(); ++i) {
     DenseMaps& maps = all_maps[i];
@@ -174,15 +181,12 @@ MapsSummary ReconstructIntoFolder(
   summary.training = reconstructor.Summary();
 
   const auto begin = std::chrono::steady_clock::now();
-  const std::vector<DenseMaps> all_maps = RenderMaps(
-      poses.views, options.CompletesPlanes(), &reconstructor, progress);
+  std::vector<DenseMaps> fields;
+  const std::vector<DenseMaps> all_maps =
+      RenderMaps(poses.views, &reconstructor, &fields, progress);
   ThreadPool pool(options.training.num_threads);
   for (size_t i = 0; i < all_maps.size(); ++i) {
     const std::string& name = poses.views[i].name;
-    DenseMaps maps = all_maps[i];
-    WriteMaps(folder, name, "photometric", maps);
-    summary.num_pixels += maps.depth.size();
-    summary.num_photometric += NumDepths(maps);
     const ViewConsistency consistency =
         CheckConsistency(poses,
                          all_maps,
@@ -191,11 +195,19 @@ MapsSummary ReconstructIntoFolder(
                          extraction,
                          &pool,
                          progress);
-    const auto is_confirmed = ConfirmedPixels(consistency, maps.width);
+    const auto is_confirmed = ConfirmedPixels(consistency, all_maps[i].width);
+    DenseMaps photometric = all_maps[i];
+    if (!fields.empty()) {
+      ReplaceUnconfirmed(is_confirmed, fields[i], &photometric);
+    }
+    WriteMaps(folder, name, "photometric", photometric);
+    DenseMaps geometric = all_maps[i];
     KeepOnly([&](const size_t pixel) { return is_confirmed[pixel] != 0; },
-             &maps);
-    WriteMaps(folder, name, "geometric", maps);
-    summary.num_geometric += NumDepths(maps);
+             &geometric);
+    WriteMaps(folder, name, "geometric", geometric);
+    summary.num_pixels += photometric.depth.size();
+    summary.num_photometric += NumDepths(photometric);
+    summary.num_geometric += NumDepths(geometric);
     ReportItems("Checking consistency", i + 1, all_maps.size(), progress);
   }
   folder.Commit();

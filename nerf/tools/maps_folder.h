@@ -33,7 +33,7 @@ struct MapsSummary {
 // nerf/dense_maps.h: they are the maps of structnerf_dense with the same scene
 // and options. Only masks may differ at their borders, which a scene has at the
 // resolution of training. The maps of all views are held in memory, 20 bytes
-// per pixel.
+// per pixel, and 20 more with matching.
 //
 // `warn` is given sentences about the scene. The folder appears when it is
 // complete. Throws std::runtime_error, naming it, if it exists or cannot be

@@ -22,11 +22,12 @@ class DepthMapCacheTest : public testing::Test {
 
   void Fill(DepthMapCache* cache) {
     for (size_t i = 0; i < names_.size(); ++i) {
-      const StereoMaps maps{3,
-                            2,
-                            std::vector<float>(kNumPixels, 1 + i),
-                            std::vector<float>(3 * kNumPixels, -1.0f * i)};
-      workspace_.WriteMaps(names_[i], MapType::kPhotometric, maps);
+      DenseMaps maps;
+      maps.width = 3;
+      maps.height = 2;
+      maps.depth.assign(kNumPixels, 1 + i);
+      maps.normal.assign(3 * kNumPixels, -1.0f * i);
+      workspace_.WriteInterimMaps(names_[i], InterimStage::kCompleted, maps);
       cache->Insert(i, maps);
     }
   }

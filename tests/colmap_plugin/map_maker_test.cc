@@ -44,8 +44,12 @@ class MapMakerTest : public testing::Test {
     method.training.num_steps = 50;
     method.training.rays_per_step = 64;
     method.extraction.max_relative_std = 100;
-    reconstructor_ = std::make_unique<Reconstructor>(std::move(scene), method);
+    reconstructor_ = std::make_unique<Reconstructor>(scene, method);
     reconstructor_->Train(&silent_);
+    method.stereo.num_iterations = 2;
+    matching_reconstructor_ =
+        std::make_unique<Reconstructor>(std::move(scene), method);
+    matching_reconstructor_->Train(&silent_);
     options_.max_bytes = size_t{1} << 20;
   }
 
@@ -59,13 +63,15 @@ class MapMakerTest : public testing::Test {
   StageProgress stage_{"Test", &silent_};
   Scene scene_;
   std::unique_ptr<FileJournal> journal_;
-  std::unique_ptr<Reconstructor> reconstructor_;
+  std::unique_ptr<Reconstructor> reconstructor_;           // without matching
+  std::unique_ptr<Reconstructor> matching_reconstructor_;  // of the same field
   MapMakerOptions options_;
 };
 
 TEST_F(MapMakerTest, WholeMapsOfTheSameFieldAreNotRenderedAgain) {
   Maker().RenderMaps(reconstructor_.get(), &stage_);
-  const std::string path = workspace_.MatchedMapsPath("1.png");
+  const std::string path =
+      workspace_.InterimMapsPath("1.png", InterimStage::kMatched);
   const auto time = fs::last_write_time(path) - std::chrono::hours(1);
   fs::last_write_time(path, time);
 
@@ -103,6 +109,36 @@ TEST_F(MapMakerTest, WhatIsMaskedHasNoDepth) {
     EXPECT_TRUE(fs::exists(workspace_.ConsistencyGraphPath(view.name)));
     EXPECT_EQ(workspace_.ReadConfidence(view.name).values.size(), 64u * 48);
   }
+}
+
+TEST_F(MapMakerTest, WhatNoViewConfirmsHasTheDepthOfTheField) {
+  options_.matches_views = true;
+  MapMaker maker = Maker();
+  maker.RenderMaps(matching_reconstructor_.get(), &stage_);
+  maker.CompletePlanes(matching_reconstructor_.get(), &stage_);
+  maker.CheckConsistency(matching_reconstructor_->SourceViews(), &stage_);
+
+  size_t num_confirmed = 0;
+  size_t num_replaced = 0;
+  for (size_t i = 0; i < 3; ++i) {
+    const std::string& name = options_.image_names[i];
+    const StereoMaps photometric =
+        workspace_.ReadMaps(name, MapType::kPhotometric);
+    const StereoMaps geometric = workspace_.ReadMaps(name, MapType::kGeometric);
+    const DenseMaps completed =
+        workspace_.ReadInterimMaps(name, InterimStage::kCompleted);
+    const DenseMaps field = reconstructor_->RenderView(i, &silent_);
+    for (size_t pixel = 0; pixel < field.depth.size(); ++pixel) {
+      const bool is_confirmed = geometric.depth[pixel] > 0;
+      num_confirmed += is_confirmed;
+      num_replaced +=
+          !is_confirmed && completed.depth[pixel] != field.depth[pixel];
+      EXPECT_EQ(photometric.depth[pixel],
+                is_confirmed ? completed.depth[pixel] : field.depth[pixel]);
+    }
+  }
+  EXPECT_GT(num_confirmed, 0u);
+  EXPECT_GT(num_replaced, 0u);
 }
 
 }  // namespace

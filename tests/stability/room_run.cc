@@ -1,6 +1,7 @@
 #include "tests/stability/room_run.h"
 
 #include "nerf/engine/torch_factory.h"
+#include "nerf/extract/consistency.h"
 #include "nerf/util/median.h"
 #include "nerf/util/random.h"
 #include "tests/nerf/plane_scene.h"
@@ -30,6 +31,34 @@ void CheckMaps(const View& view, const DenseMaps& maps) {
                                     : normal.norm() == 0,
                   "a normal has the length " + ShortNumber(normal.norm()));
   }
+}
+
+// The photometric maps: matched depth where views confirm it, the field's
+// elsewhere.
+void TakeConfirmed(const Reconstructor& reconstructor,
+                   const Scene& scene,
+                   std::vector<DenseMaps>* matched,
+                   std::vector<DenseMaps>* field) {
+  const ExtractionOptions options =
+      FitToScene(reconstructor.Options().extraction, scene);
+  ThreadPool pool(1);
+  Progress progress;
+  std::vector<std::vector<uint8_t>> is_confirmed;
+  for (size_t v = 0; v < matched->size(); ++v) {
+    is_confirmed.push_back(
+        ConfirmedPixels(CheckConsistency(scene,
+                                         *matched,
+                                         v,
+                                         reconstructor.SourceViews()[v],
+                                         options,
+                                         &pool,
+                                         &progress),
+                        (*matched)[v].width));
+  }
+  for (size_t v = 0; v < matched->size(); ++v) {
+    ReplaceUnconfirmed(is_confirmed[v], (*field)[v], &(*matched)[v]);
+  }
+  field->swap(*matched);
 }
 
 const std::vector<RoomTruth>& Truths() {
@@ -139,9 +168,14 @@ RoomRun RunScene(const Scene& scene, const ReconstructionOptions& options) {
   run.summary = reconstructor.Summary();
   run.warnings = reconstructor.Warnings();
   RequireStable(std::isfinite(run.summary.final_loss), "the loss is infinite");
+  std::vector<DenseMaps> matched;
+  run.maps.resize(scene.views.size());
   for (size_t v = 0; v < scene.views.size(); ++v) {
-    run.maps.push_back(reconstructor.RenderView(v, &progress));
-    CheckMaps(scene.views[v], run.maps.back());
+    matched.push_back(reconstructor.RenderView(v, &progress, &run.maps[v]));
+    CheckMaps(scene.views[v], matched.back());
+  }
+  if (options.MatchesViews()) {
+    TakeConfirmed(reconstructor, scene, &matched, &run.maps);
   }
   return run;
 }

@@ -34,6 +34,10 @@ TEST(EstimateConfidence, IsWhatWasFitted) {
   const size_t pixel = 15 * kWidth + 20;
   EXPECT_NEAR(
       EstimateConfidence(camera, maps, ConstantAngle(10))[pixel], 0.863, 0.001);
+  EXPECT_NEAR(EstimateConfidence(
+                  camera, maps, ConstantAngle(10), /*is_matched=*/true)[pixel],
+              0.920,
+              0.001);
   for (int row = 0; row < kHeight; ++row) {
     for (int col = 0; col < kWidth; ++col) {
       maps.depth[row * kWidth + col] += 0.12f * (col - 20);

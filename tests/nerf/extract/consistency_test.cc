@@ -86,6 +86,19 @@ struct PlaneMaps {
   }
 };
 
+TEST(ReplaceUnconfirmed, TakesWhatIsNotConfirmedFromTheOtherMaps) {
+  DenseMaps maps;
+  maps.depth = {1, 2, 0, 4};
+  maps.normal = {.1f, .2f, 0, .4f, .5f, .6f, 0, .8f, -1, -1, 0, -1};
+  DenseMaps other;
+  other.depth = {10, 20, 30, 40};
+  other.normal.assign(12, 0.5f);
+  ReplaceUnconfirmed({1, 0, 0, 1}, other, &maps);
+  EXPECT_THAT(maps.depth, ElementsAre(1, 20, 0, 4));
+  EXPECT_THAT(maps.normal,
+              ElementsAre(.1f, .5f, 0, .4f, .5f, .5f, 0, .8f, -1, .5f, 0, -1));
+}
+
 TEST(CheckConsistency, ViewsOfAPlaneConfirmEachOther) {
   PlaneMaps test({0, 0.5, -0.4});
   test.options.min_num_consistent = 1;
@@ -287,6 +300,7 @@ TEST(CheckConsistency, TheLimitInPixelsIsForMapsOfTheReferenceSize) {
   for (const int width : {kReferenceMapSize, 2 * kReferenceMapSize}) {
     PlaneMaps test({});
     test.options.min_num_consistent = 1;
+    test.options.max_reprojection_error = 2;
     for (const double x : {0.0, 0.5}) {
       test.AddView(MakeView("view", MakeCamera(width, 4, 1600), {x, 0, 0}));
     }

@@ -77,7 +77,6 @@ Errors ErrorsOf(const DenseMaps& maps, const DenseMaps& truth) {
 
 void RefineMaps(const Scene& scene,
                 const StereoOptions& options,
-                const double max_cost,
                 DenseMaps* maps) {
   const SceneFrame frame = MakePatchFrame();
   const TrainingViews views(scene, frame);
@@ -89,7 +88,6 @@ void RefineMaps(const Scene& scene,
               frame,
               views.image(0),
               patch_match,
-              max_cost,
               &pool,
               &progress,
               maps);
@@ -107,7 +105,7 @@ TEST(DepthRefinement, ResolutionsAreMappedExactly) {
     const DenseMaps truth = MakeMaps(plane, scene.views[0], 1.0);
     ASSERT_GT(std::abs(truth.depth[1] / truth.depth[0] - 1), 1e-3);
     DenseMaps maps = truth;
-    RefineMaps(scene, options, 2.0, &maps);
+    RefineMaps(scene, options, &maps);
     const Errors errors = ErrorsOf(maps, truth);
     EXPECT_LT(errors.depth, 1e-5) << width;
     EXPECT_LT(errors.normal, 1e-4) << width;
@@ -156,7 +154,6 @@ TEST(DepthRefinement, DepthAndNormalsConverge) {
   TexturedPlane plane;
   const Scene scene = MakeScene(&plane, 64, 48);
   StereoOptions options;
-  options.prior_weight = 0;
   options.num_iterations = 4;
   const DenseMaps truth = MakeMaps(plane, scene.views[0], 1.0);
   DenseMaps maps = MakeMaps(plane, scene.views[0], 1.03);
@@ -167,7 +164,7 @@ TEST(DepthRefinement, DepthAndNormalsConverge) {
     maps.normal[n + i] = 0;
     maps.normal[2 * n + i] = -1;
   }
-  RefineMaps(scene, options, 0.1, &maps);
+  RefineMaps(scene, options, &maps);
   int num_good = 0;
   int num_all = 0;
   for (int row = 14; row < 82; ++row) {
@@ -196,7 +193,7 @@ TEST(DepthRefinement, WhatDoesNotMatchStays) {
   }
   const DenseMaps before = MakeMaps(plane, scene.views[0], 1.03);
   DenseMaps maps = before;
-  RefineMaps(scene, StereoOptions(), 0.9, &maps);
+  RefineMaps(scene, StereoOptions(), &maps);
   EXPECT_EQ(maps.depth, before.depth);
   EXPECT_EQ(maps.normal, before.normal);
   EXPECT_EQ(maps.distinctness, std::vector<float>(maps.depth.size(), 0));
@@ -207,7 +204,7 @@ TEST(DepthRefinement, WhatMatchesIsDistinct) {
   const Scene scene = MakeScene(&plane, 64, 48);
   DenseMaps maps = MakeMaps(plane, scene.views[0], 1.0);
   maps.depth[48 * 128 + 64] = 0;
-  RefineMaps(scene, StereoOptions(), 0.5, &maps);
+  RefineMaps(scene, StereoOptions(), &maps);
   ASSERT_EQ(maps.distinctness.size(), maps.depth.size());
   EXPECT_EQ(maps.distinctness[48 * 128 + 64], 0.0f);
   double sum = 0;
@@ -237,7 +234,7 @@ TEST(DepthRefinement, PixelsWithoutDepthOrNormalDoNoHarm) {
       }
     }
   }
-  RefineMaps(scene, StereoOptions(), 0.5, &maps);
+  RefineMaps(scene, StereoOptions(), &maps);
   int num_with_normal = 0;
   for (size_t i = 0; i < n; ++i) {
     const Eigen::Vector3f normal(

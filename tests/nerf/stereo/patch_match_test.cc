@@ -16,7 +16,7 @@ namespace {
 
 TEST_P(PatchMatchTest, TheTruthMatchesAndStays) {
   const PlaneMaps result = RefineSeed(truth_);
-  EXPECT_GT(ShareWithin(result, truth_, kMargin, 0.002), 0.99);
+  EXPECT_GT(ShareWithin(result, truth_, kMargin, 0.005), 0.99);
   double sum = 0;
   int num_seen = 0;
   for (const float cost : result.cost) {
@@ -31,8 +31,7 @@ TEST_P(PatchMatchTest, TheTruthMatchesAndStays) {
   EXPECT_LT(sum / num_seen, 0.01);
 }
 
-TEST_P(PatchMatchTest, WithoutPriorDepthAndSlopeAreFound) {
-  options_.prior_weight = 0;
+TEST_P(PatchMatchTest, DepthAndSlopeAreFound) {
   options_.num_iterations = 4;
   for (const float factor : {0.97f, 1.03f}) {
     for (const bool is_slanted : {true, false}) {
@@ -63,20 +62,7 @@ TEST_P(PatchMatchTest, WithoutPriorDepthAndSlopeAreFound) {
   }
 }
 
-// The default weight holds back, but at least half of the error goes.
-TEST_P(PatchMatchTest, WithPriorDepthIsFoundHalfway) {
-  for (const float factor : {0.97f, 1.03f}) {
-    const PlaneMaps result = RefineSeed(Seed(factor));
-    EXPECT_GT(ShareWithin(result, truth_, kMargin, 0.015), 0.75);
-    options_.prior_weight = 10;
-    EXPECT_GT(ShareWithin(RefineSeed(Seed(factor)), Seed(factor), 0, 0.005),
-              0.99);
-    options_.prior_weight = StereoOptions().prior_weight;
-  }
-}
-
 TEST_P(PatchMatchTest, ExposureDoesNotMatter) {
-  options_.prior_weight = 0;
   options_.num_iterations = 3;
   for (size_t v = 1; v < scene_.views.size(); ++v) {
     for (uint8_t& value : scene_.views[v].image.data) {
@@ -87,7 +73,6 @@ TEST_P(PatchMatchTest, ExposureDoesNotMatter) {
 }
 
 TEST_P(PatchMatchTest, AWrongSourceIsLeftOut) {
-  options_.prior_weight = 0;
   options_.num_iterations = 3;
   options_.num_best_sources = 2;
   RgbImage& wrong = scene_.views[2].image;

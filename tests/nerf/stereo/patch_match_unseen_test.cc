@@ -25,7 +25,6 @@ TEST_P(PatchMatchTest, BlankImagesKeepTheSeed) {
 }
 
 TEST_P(PatchMatchTest, MaskedPixelsKeepTheSeed) {
-  options_.prior_weight = 0;
   options_.num_iterations = 4;
   View& view = scene_.views[0];
   view.mask.assign(67 * 48, 255);
@@ -123,7 +122,6 @@ TEST_P(PatchMatchTest, WithoutSourcesNothingChanges) {
 }
 
 TEST_P(PatchMatchTest, PixelsWithoutSeedStayAndDoNotSpread) {
-  options_.prior_weight = 0;
   options_.num_iterations = 4;
   PlaneMaps seed = Seed(1.03f);
   const float nan = std::numeric_limits<float>::quiet_NaN();

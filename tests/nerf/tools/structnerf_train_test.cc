@@ -27,13 +27,15 @@ using testing::Not;
 
 constexpr char kSmallRun[] =
     "--StructNeRF.quality=low --StructNeRF.num_steps=40 "
-    "--StructNeRF.rays_per_step=128 --StructNeRF.log2_table_size=12";
+    "--StructNeRF.rays_per_step=128 --StructNeRF.log2_table_size=12 "
+    "--StructNeRF.stereo_num_iterations=2";
 
 ReconstructionOptions SmallRun() {
   ReconstructionOptions options = QualityPreset("low");
   options.training.num_steps = 40;
   options.training.rays_per_step = 128;
   options.field.log2_table_size = 12;
+  options.stereo.num_iterations = 2;
   return options;
 }
 
@@ -95,28 +97,34 @@ TEST_F(StructnerfTrainTest, MapsAreThoseOfTheMethod) {
   Progress progress;
   reconstructor.Train(&progress);
   std::vector<DenseMaps> all_maps;
+  std::vector<DenseMaps> fields(scene_.views.size());
   for (size_t i = 0; i < scene_.views.size(); ++i) {
-    all_maps.push_back(reconstructor.RenderView(i, &progress));
+    all_maps.push_back(reconstructor.RenderView(i, &progress, &fields[i]));
     reconstructor.AddMaps(i, all_maps.back());
   }
   reconstructor.FindPlanes(&progress);
   size_t num_geometric = 0;
+  size_t num_of_field = 0;
   for (size_t i = 0; i < scene_.views.size(); ++i) {
-    DenseMaps& maps = all_maps[i];
-    reconstructor.CompletePlanes(i, &maps);
+    DenseMaps& completed = all_maps[i];
+    reconstructor.CompletePlanes(i, &completed);
     const std::string& name = scene_.views[i].name;
     const FloatArray depth = ReadMap("depth_maps", name + ".photometric", 1);
     const FloatArray normal = ReadMap("normal_maps", name + ".photometric", 3);
     const FloatArray confirmed = ReadMap("depth_maps", name + ".geometric", 1);
     ASSERT_EQ(depth.width, 48);
     ASSERT_EQ(depth.height, 36);
-    const size_t num_pixels = maps.depth.size();
+    const size_t num_pixels = completed.depth.size();
     for (size_t pixel = 0; pixel < num_pixels; ++pixel) {
       const bool is_masked = i == 1 && pixel % 48 < 24;
+      const bool is_confirmed = confirmed.values[pixel] != 0;
+      const DenseMaps& maps = is_confirmed ? completed : fields[i];
+      num_of_field += !is_masked && !is_confirmed &&
+                      completed.depth[pixel] != maps.depth[pixel];
       EXPECT_EQ(depth.values[pixel], is_masked ? 0 : maps.depth[pixel]);
       EXPECT_EQ(normal.values[2 * num_pixels + pixel],
                 is_masked ? 0 : maps.normal[2 * num_pixels + pixel]);
-      if (confirmed.values[pixel] != 0) {
+      if (is_confirmed) {
         ++num_geometric;
         EXPECT_EQ(confirmed.values[pixel], depth.values[pixel]);
       }
@@ -124,6 +132,7 @@ TEST_F(StructnerfTrainTest, MapsAreThoseOfTheMethod) {
   }
   EXPECT_GT(num_geometric, 0u);
   EXPECT_LT(num_geometric, 4u * 48 * 36);
+  EXPECT_GT(num_of_field, 0u);
 }
 
 TEST_F(StructnerfTrainTest, SaysWhatIsWrongAndWritesNothing) {
