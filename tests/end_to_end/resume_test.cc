@@ -125,7 +125,7 @@ TEST_F(ResumeTest, ViewsAreNotRenderedAgain) {
   // Slow enough to be killed in the middle.
   const ProgramOptions command =
       Command({"--StructNeRF.stereo_num_iterations=40"});
-  const std::string folder = "/structnerf/matched/";
+  const std::string folder = "/structnerf/interim/";
   std::vector<std::string> maps;
   {
     Program program(command);
@@ -133,7 +133,7 @@ TEST_F(ResumeTest, ViewsAreNotRenderedAgain) {
     while (maps.size() < 2) {
       ASSERT_FALSE(program.WaitFor(0.001));
       for (const TinyModel::Image& image : model_.images) {
-        const std::string name = image.name + ".bin";
+        const std::string name = image.name + ".matched.bin";
         if (std::count(maps.begin(), maps.end(), name) == 0 &&
             fs::exists(StagedPath() + folder + name)) {
           maps.push_back(name);
