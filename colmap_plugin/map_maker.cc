@@ -40,8 +40,8 @@ DenseMaps MapMaker::RenderView(const size_t view_idx,
     return workspace_->ReadInterimMaps(name, InterimStage::kMatched);
   }
   DenseMaps rendered;
-  const DenseMaps maps =
-      reconstructor.RenderView(view_idx, progress, &rendered);
+  const DenseMaps maps = reconstructor.RenderView(
+      view_idx, progress, options_.matches_views ? &rendered : nullptr);
   if (options_.matches_views) {
     WriteRendered(name, InterimStage::kRendered, rendered);
   }

@@ -50,8 +50,8 @@ constexpr size_t kBytesPerSample = 4 * sizeof(float);
 constexpr size_t kBytesPerSampleAndLevel =
     8 * 3 * sizeof(float) + kGridFeatures * sizeof(float);
 
-// Bytes per pixel of a view whose depth is refined: planes, seed, two costs,
-// and those per used source.
+// Bytes per pixel of a view whose depth is refined: planes, seed, cost,
+// distinctness, and those per used source.
 constexpr size_t kBytesPerRefinedPixel = 6 * sizeof(float);
 constexpr size_t kBytesPerRefinedPixelAndSource = sizeof(int32_t);
 

@@ -30,7 +30,6 @@ struct PatchMatchSweep {
   const StereoOptions* options = nullptr;
   const float* seed_rho = nullptr;
   PlaneMaps* maps = nullptr;
-  float* total_cost = nullptr;    // per pixel, what is minimised
   int32_t* best_slots = nullptr;  // num_used_slots per pixel
   int num_used_slots = 0;
   // -1 = evaluate the seed and choose the sources, num_iterations = measure
@@ -119,16 +118,14 @@ class PixelBlock {
     }
   }
 
-  // A pixel without a seed, or one that no source sees there, keeps a total
-  // cost of zero, which nothing beats.
+  // A pixel without a seed keeps the cost of one that no source sees: neither
+  // is improved.
   void EvaluateCurrent() {
     const D d;
     const Planes planes = Load();
-    V cost;
-    const V total = Cost(planes, &cost);
+    const V cost = Cost(planes);
     Keep(planes,
          cost,
-         total,
          hn::And(hn::Gt(seed_rho_, hn::Zero(d)),
                  hn::Lt(cost, hn::Set(d, kWorstCost))));
   }
@@ -142,11 +139,9 @@ class PixelBlock {
     V nearest_cost = hn::Set(d, kWorstCost);
     for (const float change : kDistinctChanges) {
       const V factor = hn::Set(d, 1.0f + change);
-      V other_cost;
-      Cost({hn::Mul(planes.rho, factor),
-            hn::Mul(planes.rho_x, factor),
-            hn::Mul(planes.rho_y, factor)},
-           &other_cost);
+      V other_cost = Cost({hn::Mul(planes.rho, factor),
+                           hn::Mul(planes.rho_x, factor),
+                           hn::Mul(planes.rho_y, factor)});
       // Out of sight is no evidence.
       other_cost = hn::IfThenElse(
           hn::Lt(other_cost, hn::Set(d, kWorstCost)), other_cost, cost);
@@ -167,7 +162,6 @@ class PixelBlock {
     const D d;
     best_ = Load();
     best_cost_ = LoadFrom(sweep_.maps->cost.data());
-    best_total_ = LoadFrom(sweep_.total_cost);
     // Odd offsets only: those pixels have the other colour.
     constexpr int kOffsets[8][2] = {
         {-1, 0}, {1, 0}, {0, -1}, {0, 1}, {-5, 0}, {5, 0}, {0, -5}, {0, 5}};
@@ -202,7 +196,7 @@ class PixelBlock {
       }
       Try(planes, hn::Eq(x_, x_));
     }
-    Keep(best_, best_cost_, best_total_, hn::Eq(x_, x_));
+    Keep(best_, best_cost_, hn::Eq(x_, x_));
   }
 
  private:
@@ -225,27 +219,22 @@ class PixelBlock {
             LoadFrom(sweep_.maps->rho_y.data())};
   }
 
-  void Keep(const Planes& planes,
-            const V cost,
-            const V total,
-            const M improved) const {
+  void Keep(const Planes& planes, const V cost, const M improved) const {
     const D d;
-    HWY_ALIGN float values[5][16];
+    HWY_ALIGN float values[4][16];
     HWY_ALIGN float is_improved[16];
     hn::Store(planes.rho, d, values[0]);
     hn::Store(planes.rho_x, d, values[1]);
     hn::Store(planes.rho_y, d, values[2]);
     hn::Store(cost, d, values[3]);
-    hn::Store(total, d, values[4]);
     hn::Store(hn::IfThenElseZero(improved, hn::Set(d, 1.0f)), d, is_improved);
-    float* const targets[5] = {sweep_.maps->rho.data(),
+    float* const targets[4] = {sweep_.maps->rho.data(),
                                sweep_.maps->rho_x.data(),
                                sweep_.maps->rho_y.data(),
-                               sweep_.maps->cost.data(),
-                               sweep_.total_cost};
+                               sweep_.maps->cost.data()};
     for (int i = 0; i < num_pixels_; ++i) {
       if (is_improved[i] > 0) {
-        for (int k = 0; k < 5; ++k) {
+        for (int k = 0; k < 4; ++k) {
           targets[k][Index(i)] = values[k][i];
         }
       }
@@ -256,17 +245,13 @@ class PixelBlock {
     return MakePixelWarp(GatherWarps(sweep_.warps, slot), x_, y_);
   }
 
-  // Total cost; the matching cost alone goes to `cost`. What does not match at
-  // all is as good as what has no texture: no reason to leave the seed for
-  // another plane that does not match, either.
-  V Cost(const Planes& planes, V* cost) {
+  V Cost(const Planes& planes) {
     V costs[kMaxSourceSlots];
     for (int k = 0; k < sweep_.num_used_slots; ++k) {
       costs[k] = SourceCost(sweep_.grays, warps_[k], window_, planes);
     }
-    *cost = MeanOfBest(
+    return MeanOfBest(
         costs, sweep_.num_used_slots, sweep_.options->num_best_sources);
-    return hn::Min(*cost, hn::Set(D(), 1.0f));
   }
 
   void Try(const Planes& planes, M allowed) {
@@ -277,14 +262,17 @@ class PixelBlock {
     if (hn::AllFalse(d, allowed)) {
       return;
     }
-    V cost;
-    const V total = Cost(planes, &cost);
-    const M better = hn::And(allowed, hn::Lt(total, best_total_));
+    const V cost = Cost(planes);
+    // What does not match at all is as good as what has no texture: no reason
+    // to leave the seed for another plane that does not match, either.
+    const M is_seen = hn::Lt(best_cost_, hn::Set(d, kWorstCost));
+    const M better =
+        hn::And(hn::And(allowed, is_seen),
+                hn::Lt(cost, hn::Min(best_cost_, hn::Set(d, 1.0f))));
     best_.rho = hn::IfThenElse(better, planes.rho, best_.rho);
     best_.rho_x = hn::IfThenElse(better, planes.rho_x, best_.rho_x);
     best_.rho_y = hn::IfThenElse(better, planes.rho_y, best_.rho_y);
     best_cost_ = hn::IfThenElse(better, cost, best_cost_);
-    best_total_ = hn::IfThenElse(better, total, best_total_);
   }
 
   void TryNeighbor(const int dx, const int dy) {
@@ -324,7 +312,6 @@ class PixelBlock {
   PixelWarp warps_[kMaxSourceSlots];  // of the sources that are used
   Planes best_;
   V best_cost_;
-  V best_total_;
 };
 
 void SweepRow(const PatchMatchSweep& sweep, const int row) {
@@ -377,7 +364,6 @@ void PatchMatch::Refine(const int view_idx,
     return;
   }
   const std::vector<float> seed_rho = maps->rho;
-  std::vector<float> total_cost(num_pixels, 0.0f);
   PatchMatchSweep sweep;
   sweep.warps =
       source_warps_.warps.data() + static_cast<size_t>(view_idx) * num_slots;
@@ -387,7 +373,6 @@ void PatchMatch::Refine(const int view_idx,
   sweep.options = &options_;
   sweep.seed_rho = seed_rho.data();
   sweep.maps = maps;
-  sweep.total_cost = total_cost.data();
   sweep.num_used_slots = std::min(num_slots, options_.num_used_sources);
   std::vector<int32_t> best_slots(num_pixels * sweep.num_used_slots);
   sweep.best_slots = best_slots.data();

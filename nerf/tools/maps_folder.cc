@@ -126,11 +126,11 @@ std::vector<DenseMaps> RenderMaps(const std::vector<View>& views,
   SilentProgress view_progress(progress);
   std::vector<DenseMaps> all_maps;
   for (size_t i = 0; i < views.size(); ++i) {
-    DenseMaps field;
-    all_maps.push_back(reconstructor->RenderView(i, &view_progress, &field));
-    if (options.MatchesViews()) {
-      field.relative_std = {};
-      fields->push_back(std::move(field));
+    DenseMaps* const field =
+        options.MatchesViews() ? &fields->emplace_back() : nullptr;
+    all_maps.push_back(reconstructor->RenderView(i, &view_progress, field));
+    if (field != nullptr) {
+      field->relative_std = {};
     }
     reconstructor->AddMaps(i, all_maps.back());
     ReportItems("Rendering depth maps", i + 1, views.size(), progress);
