@@ -107,21 +107,24 @@ json StagesJson(const std::vector<StageReport>& stages) {
 }
 
 json TrainingJson(const TrainingSummary& training) {
-  return {{"steps", training.num_steps},
-          {"resumed_steps", training.num_resumed_steps},
-          {"stopped_early", training.stopped_early},
-          {"steps_to_converge",
-           training.num_steps_to_converge >= 0
-               ? json(training.num_steps_to_converge)
-               : json()},
-          {"final_loss", training.final_loss},
-          {"held_out_psnr", training.held_out_psnr},
-          {"seconds", training.seconds},
-          {"rays", training.num_rays},
-          {"samples", training.num_samples},
-          {"samples_per_second", SamplesPerSecond(training)},
-          {"parameters", training.num_parameters},
-          {"guards", training.guard_counts}};
+  return {
+      {"steps", training.num_steps},
+      {"resumed_steps", training.num_resumed_steps},
+      {"stopped_early", training.stopped_early},
+      {"steps_to_converge",
+       training.num_steps_to_converge >= 0
+           ? json(training.num_steps_to_converge)
+           : json()},
+      {"confirmed_share",
+       training.confirmed_share >= 0 ? json(training.confirmed_share) : json()},
+      {"final_loss", training.final_loss},
+      {"held_out_psnr", training.held_out_psnr},
+      {"seconds", training.seconds},
+      {"rays", training.num_rays},
+      {"samples", training.num_samples},
+      {"samples_per_second", SamplesPerSecond(training)},
+      {"parameters", training.num_parameters},
+      {"guards", training.guard_counts}};
 }
 
 // "skipped_steps 2"; empty if none has acted.
@@ -225,6 +228,11 @@ std::string ReportText(const RunReport& report) {
           1e-6 * SamplesPerSecond(report.training));
   if (!std::isnan(report.training.final_loss)) {
     AppendF(&text, ", loss %.4f", report.training.final_loss);
+  }
+  if (report.training.confirmed_share >= 0) {
+    AppendF(&text,
+            ", %.1f %% of the pixels confirmed after the first round",
+            100 * report.training.confirmed_share);
   }
   if (report.training.held_out_psnr >= 0) {
     AppendF(&text, ", held-out PSNR %.2f dB", report.training.held_out_psnr);

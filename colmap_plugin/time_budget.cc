@@ -13,7 +13,8 @@ TimeBudget::TimeBudget(const double max_minutes)
 double TimeBudget::TrainingSeconds(const TimeEstimate& estimate,
                                    const double slowness,
                                    std::string* note) const {
-  const double after = slowness * (estimate.rendering + estimate.finishing);
+  const double after =
+      slowness * (estimate.matching + estimate.rendering + estimate.finishing);
   const double left = max_seconds_ - ElapsedSeconds() - after;
   const double least =
       kMinTrainingShare * std::min(slowness * estimate.training, max_seconds_);

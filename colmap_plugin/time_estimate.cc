@@ -67,11 +67,20 @@ TimeEstimate EstimateTime(const StructNerfOptions& options,
       method.stereo.num_iterations > 0 ? method.stereo.num_iterations + 1 : 0;
   const double completed_pixels =
       method.CompletesPlanes() ? training_pixels : 0;
+  const int num_brief_sweeps = (method.stereo.num_iterations + 1) / 2 + 1;
   const double num_threads =
       colmap::GetEffectiveNumThreads(method.training.num_threads);
   TimeEstimate estimate;
   estimate.loading = kPerTrainingPixel * training_pixels / num_threads;
   estimate.training = (kPerSample * samples + kDensityCache) / num_threads;
+  if (method.LearnsFromMatches()) {
+    estimate.matching =
+        ((kPerRenderedPixel + kPerMatchedPixel * num_brief_sweeps) *
+             training_pixels +
+         kPerCompletedPixel * completed_pixels) /
+            num_threads +
+        kPerCheckedPixel * training_pixels;
+  }
   estimate.rendering = (kPerRenderedPixel * map_pixels +
                         kPerMatchedPixel * num_sweeps * training_pixels) /
                        num_threads;
@@ -96,10 +105,13 @@ QualityChoice QualityForTime(const StructNerfOptions& options,
       stereo.num_iterations = candidate.num_sweeps;
     }
     const TimeEstimate estimate = EstimateTime(planned, cameras);
-    const double min_share = std::clamp(
-        kMinTrainingSteps / planned.reconstruction.training.num_steps,
-        kMinTrainingShare,
-        1.0);
+    const double min_steps = planned.reconstruction.LearnsFromMatches()
+                                 ? 2 * kMinTrainingSteps
+                                 : kMinTrainingSteps;
+    const double min_share =
+        std::clamp(min_steps / planned.reconstruction.training.num_steps,
+                   kMinTrainingShare,
+                   1.0);
     const double needed =
         estimate.Total() - (1 - min_share) * estimate.training;
     if (slowness * needed <= 60 * options.max_minutes) {

@@ -12,15 +12,18 @@ namespace structnerf {
 struct TimeEstimate {
   double loading = 0;    // undistortion, decoding, superpixels
   double training = 0;   // all steps
+  double matching = 0;   // between two rounds of training
   double rendering = 0;  // of all views, with matching
   double finishing = 0;  // planes, consistency, fusion, writing
 
-  double Total() const { return loading + training + rendering + finishing; }
+  double Total() const {
+    return loading + training + matching + rendering + finishing;
+  }
 };
 
 // The least share of its training that a quality is worth running with, and
-// the least number of steps: fewer do not bring a field to rest, whatever comes
-// after them.
+// the least number of steps of each round: fewer do not bring a field to rest,
+// whatever comes after them.
 constexpr double kMinTrainingShare = 0.25;
 constexpr double kMinTrainingSteps = 400;
 

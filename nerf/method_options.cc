@@ -203,7 +203,18 @@ std::vector<OptionEntry> LossEntries(LossOptions* loss) {
            &loss->dense_prior_weight,
            "Weight of the likelihood of the depth priors of prior_path",
            0,
-           1e6}};
+           1e6},
+          {"StructNeRF.match_weight",
+           &loss->match_weight,
+           "Weight, in a second round of training, of depth that was matched "
+           "and confirmed after a first one; 0 = one round only",
+           0,
+           1e6},
+          {"StructNeRF.match_fraction",
+           &loss->match_fraction,
+           "Share of the training that the first round is",
+           0.1,
+           0.9}};
 }
 
 std::vector<OptionEntry> TrainingEntries(TrainingOptions* training) {

@@ -16,6 +16,7 @@ void KeepOnlyColor(ReconstructionOptions* options) {
   options->loss.sparse_weight = 0;
   options->loss.prior_weight = 0;
   options->loss.far_weight = 0;
+  options->loss.match_weight = 0;
   options->stereo.num_iterations = 0;
 }
 

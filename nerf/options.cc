@@ -81,6 +81,8 @@ constexpr double kMaxDepthErrorOfMatches = 0.03;
 constexpr double kMaxReprojectionErrorOfMatches = 3.0;
 constexpr double kMinAngleOfMatches = 3.0;
 
+constexpr double kMatchWeight = 0.02;
+
 void MatchViews(const int num_iterations, ReconstructionOptions* options) {
   options->stereo.num_iterations = num_iterations;
   options->extraction.max_relative_depth_error = kMaxDepthErrorOfMatches;
@@ -152,6 +154,12 @@ bool LossOptions::Check(std::string* error) const {
       .Require(prior_weight == 0 || dense_prior_weight == 0,
                "prior_weight must be 0 if dense_prior_weight is not: they pull "
                "at the same rays")
+      .In("match_weight", match_weight, 0.0, kAnyWeight)
+      .In("match_fraction", match_fraction, 0.1, 0.9)
+      .Require(
+          match_weight == 0 || (prior_weight == 0 && dense_prior_weight == 0),
+          "match_weight must be 0 if prior_weight or dense_prior_weight "
+          "is not: they pull at the same rays")
       .Report(error);
 }
 
@@ -210,6 +218,10 @@ bool ReconstructionOptions::MatchesViews() const {
   return stereo.num_iterations > 0;
 }
 
+bool ReconstructionOptions::LearnsFromMatches() const {
+  return MatchesViews() && loss.match_weight > 0;
+}
+
 bool ReconstructionOptions::CompletesPlanes() const {
   return MatchesViews() && stereo.complete_planes;
 }
@@ -236,8 +248,12 @@ ReconstructionOptions QualityPreset(const std::string& quality) {
   } else if (quality == "high" || quality == "extreme") {
     // What extreme spends, it spends on more pixels: neither more samples nor
     // more sweeps nor more steps gain anything (nerf/EXPERIMENTS.md).
-    options.training.num_steps = 6000;
+    options.training.num_steps = 1600;
+    options.training.final_learning_rate_factor = 0.5;
+    options.training.coarse_to_fine_fraction = 0.4;
     options.training.max_image_size = quality == "high" ? 640 : 1600;
+    options.loss.sparse_fraction = 1;
+    options.loss.match_weight = kMatchWeight;
     options.loss.patch_dilation = 6;
     options.sampling.num_samples = 32;
     MatchViews(4, &options);

@@ -167,6 +167,14 @@ struct LossOptions {
   // (nerf/losses/depth_likelihood.h); for the whole training.
   double dense_prior_weight = 0.0;
 
+  // Depth that matching has after a first round of training and that other
+  // views confirm, as its likelihood in a second one, in which the field begins
+  // anew. 0, or no matching (StereoOptions): there is only one round.
+  double match_weight = 0.0;
+
+  // Share of the training that the first round is.
+  double match_fraction = 0.5;
+
   bool Check(std::string* error) const;
 };
 
@@ -274,6 +282,9 @@ struct ReconstructionOptions {
 
   // Whether the field's depth is refined by matching.
   bool MatchesViews() const;
+
+  // Whether the field learns from what is matched.
+  bool LearnsFromMatches() const;
 
   // Whether blank surfaces are put onto planes, which needs matched depth.
   bool CompletesPlanes() const;

@@ -3,18 +3,16 @@
 #include "nerf/analysis/scene_analysis.h"
 #include "nerf/engine/hierarchical_sampling.h"
 #include "nerf/engine/scene_engine_options.h"
-#include "nerf/extract/depth_renderer.h"
-#include "nerf/extract/normal_estimation.h"
 #include "nerf/extract/preview_renderer.h"
 #include "nerf/field/field_file.h"
 #include "nerf/field/mlp_layout.h"
 #include "nerf/planes/plane_completion.h"
 #include "nerf/scene_guards.h"
-#include "nerf/stereo/depth_refinement.h"
 #include "nerf/train/checkpoint.h"
 #include "nerf/train/prior_agreement.h"
 #include "nerf/train/trainer.h"
 #include "nerf/train/training_objective.h"
+#include "nerf/view_mapper.h"
 #include "nerf/view_selection.h"
 
 #include <algorithm>
@@ -35,6 +33,10 @@ constexpr size_t kBytesPerBoundPixel = 4 * sizeof(float);
 
 // The same where planes are completed: depth, reliability and label.
 constexpr size_t kBytesPerPlanePixel = 4 + 1 + 4;
+
+// The same where the field learns from matches: what it learns; depth while it
+// is checked; what planes are looked for with, and labels.
+constexpr size_t kBytesPerMatchedPixel = 4 + 4 + kBytesPerPlanePixel + 4;
 
 // Bytes per pixel of the maps of one view: depth, deviation, normal,
 // distinctness.
@@ -141,9 +143,14 @@ class Reconstructor::Impl {
                                             options.sampling.guide_by_prior);
     decisions.push_back(DescribeFarTerm(*objective, options.loss));
     engine = make_engine(MakeEngineOptions(options, frame, scene.views.size()));
-    patch_match = std::make_unique<PatchMatch>(
-        scene, frame, objective->Views(), sources, options.stereo);
     pool = std::make_unique<ThreadPool>(options.training.num_threads);
+    mapper = std::make_unique<ViewMapper>(scene,
+                                          frame,
+                                          objective->Views(),
+                                          sources,
+                                          options,
+                                          engine.get(),
+                                          pool.get());
     if (options.CompletesPlanes()) {
       plane_completion =
           std::make_unique<PlaneCompletion>(scene,
@@ -193,8 +200,8 @@ class Reconstructor::Impl {
   SceneFindings findings;
   std::unique_ptr<TrainingObjective> objective;
   std::unique_ptr<RenderEngine> engine;
-  std::unique_ptr<PatchMatch> patch_match;
   std::unique_ptr<ThreadPool> pool;
+  std::unique_ptr<ViewMapper> mapper;
   std::unique_ptr<PlaneCompletion> plane_completion;  // null = off
   TrainingSummary summary;
 };
@@ -215,6 +222,7 @@ size_t Reconstructor::EstimateMemory(const ReconstructionOptions& options,
       kBytesPerTrainingPixel +
       (options.CompletesPlanes() ? kBytesPerPlanePixel : 0) +
       (options.NeedsPrior() ? kBytesPerPriorPixel : 0) +
+      (options.LearnsFromMatches() ? kBytesPerMatchedPixel : 0) +
       (options.sampling.bound_by_prior ? kBytesPerBoundPixel : 0);
   const size_t engine = options.field.type == "mlp"
                             ? EstimateMlpMemory(options)
@@ -250,10 +258,17 @@ void Reconstructor::Train(Progress* progress,
                           const CheckpointOptions& checkpoint_options,
                           const double max_seconds) {
   Checkpoints checkpoints(checkpoint_options, impl_->scene);
-  Trainer trainer(*impl_->objective,
+  MatchFunction match_views;
+  if (impl_->options.LearnsFromMatches()) {
+    match_views = [this](Progress* match_progress) {
+      return impl_->mapper->Match(impl_->train_view_idxs, match_progress);
+    };
+  }
+  Trainer trainer(impl_->objective.get(),
                   impl_->test_view_idxs,
                   impl_->options,
-                  impl_->engine.get());
+                  impl_->engine.get(),
+                  match_views);
   PreviewRenderer previews(impl_->scene,
                            impl_->frame,
                            impl_->objective->Views(),
@@ -270,28 +285,10 @@ void Reconstructor::Train(Progress* progress,
 DenseMaps Reconstructor::RenderView(const size_t view_idx,
                                     Progress* progress,
                                     DenseMaps* field) const {
-  const View& view = impl_->scene.views.at(view_idx);
-  DenseMaps maps =
-      RenderDepth(view, impl_->frame, impl_->engine.get(), progress);
-  EstimateNormals(view.camera, impl_->pool.get(), progress, &maps);
-  const float max_std =
-      static_cast<float>(impl_->options.extraction.max_relative_std);
-  KeepOnly([&](const size_t i) { return maps.relative_std[i] <= max_std; },
-           &maps);
-  if (field != nullptr) {
-    *field = maps;
-  }
-  if (impl_->options.MatchesViews()) {
-    RefineDepth(view,
-                static_cast<int>(view_idx),
-                impl_->frame,
-                impl_->objective->Views().image(static_cast<int>(view_idx)),
-                *impl_->patch_match,
-                impl_->pool.get(),
-                progress,
-                &maps);
-  }
-  return maps;
+  return impl_->mapper->MakeMaps(impl_->scene.views.at(view_idx),
+                                 static_cast<int>(view_idx),
+                                 progress,
+                                 field);
 }
 
 void Reconstructor::AddMaps(const size_t view_idx, const DenseMaps& maps) {

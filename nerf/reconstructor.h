@@ -27,10 +27,14 @@ struct TrainingSummary {
   // asked (TrainingOptions::stop_when_converged).
   int num_steps_to_converge = -1;
 
+  // Share of the pixels whose depth, matched in the midst of the training,
+  // other views confirmed; -1 = none was matched (LossOptions::match_weight).
+  double confirmed_share = -1;
+
   // Of the last steps; NaN = none was done.
   double final_loss = std::numeric_limits<double>::quiet_NaN();
   double held_out_psnr = -1;  // dB; -1 = no pixel was held out
-  double seconds = 0;         // wall time
+  double seconds = 0;         // wall time, without that of matching
   size_t num_rays = 0;
   size_t num_samples = 0;  // evaluations of the field with gradient
   size_t num_parameters = 0;

@@ -99,7 +99,9 @@ void RunPage::ShowBegin(const std::vector<std::string>& image_names,
 
 void RunPage::ShowState() {
   const RunState state = progress_->State();
-  const bool is_training = state.stage == "Training";
+  // Views are matched between two rounds of it.
+  const bool is_training =
+      state.stage == "Training" || state.stage == "Matching views";
   QString stage = QString::fromStdString(state.stage);
   if (state.is_paused) {
     stage += " (paused)";

@@ -23,6 +23,7 @@ enum class LossTerm {
   kSparse,
   kPrior,
   kDensePrior,
+  kMatchedDepth,
   kFar,
   kCount
 };

@@ -12,7 +12,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr FileFormat kFormat = {
-    {'S', 'N', 'C', 'H', 'E', 'C', 'K', '\0'}, /*version=*/3, "checkpoint"};
+    {'S', 'N', 'C', 'H', 'E', 'C', 'K', '\0'}, /*version=*/4, "checkpoint"};
 
 constexpr char kNewestName[] = "checkpoint.bin";
 constexpr char kOlderName[] = "checkpoint.older.bin";
@@ -39,6 +39,28 @@ std::map<std::string, std::string> ReadRun(StateReader* reader) {
   return run;
 }
 
+// Nothing is an empty one.
+void WriteMatchedDepth(const MatchedDepth* depth, StateWriter* writer) {
+  writer->WriteValue(static_cast<uint64_t>(depth ? depth->size() : 0));
+  if (depth != nullptr) {
+    for (const std::vector<float>& view : *depth) {
+      writer->WriteArray(view);
+    }
+  }
+}
+
+std::shared_ptr<const MatchedDepth> ReadMatchedDepth(StateReader* reader) {
+  const auto num_views = reader->ReadValue<uint64_t>();
+  if (num_views == 0) {
+    return nullptr;
+  }
+  const auto depth = std::make_shared<MatchedDepth>();
+  for (uint64_t i = 0; i < num_views; ++i) {
+    depth->push_back(reader->ReadArray<std::vector<float>>());
+  }
+  return depth;
+}
+
 void WriteState(const TrainingState& state, StateWriter* writer) {
   writer->WriteValue(state.step);
   writer->WriteValue(state.is_complete);
@@ -51,6 +73,10 @@ void WriteState(const TrainingState& state, StateWriter* writer) {
   writer->WriteValue(summary.stopped_early);
   writer->WriteValue(summary.num_steps_to_converge);
   writer->WriteValue(summary.seconds);
+  writer->WriteValue(summary.confirmed_share);
+  WriteMatchedDepth(state.matched_depth.get(), writer);
+  writer->WriteArray(state.first_round.grid);
+  writer->WriteArray(state.first_round.network);
 }
 
 TrainingState ReadState(StateReader* reader) {
@@ -66,6 +92,10 @@ TrainingState ReadState(StateReader* reader) {
   summary.stopped_early = reader->ReadValue<uint8_t>() != 0;
   summary.num_steps_to_converge = reader->ReadValue<int>();
   summary.seconds = reader->ReadValue<double>();
+  summary.confirmed_share = reader->ReadValue<double>();
+  state.matched_depth = ReadMatchedDepth(reader);
+  state.first_round.grid = reader->ReadArray<std::vector<float>>();
+  state.first_round.network = reader->ReadArray<std::vector<float>>();
   return state;
 }
 

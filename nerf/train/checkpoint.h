@@ -5,10 +5,12 @@
 #include "nerf/reconstructor.h"
 #include "nerf/scene.h"
 #include "nerf/train/convergence.h"
+#include "nerf/train/matched_depth.h"
 #include "nerf/train/training_guards.h"
 
 #include <chrono>
 #include <limits>
+#include <memory>
 
 namespace structnerf {
 
@@ -21,6 +23,11 @@ struct TrainingState {
   double held_out_psnr = -1;
   double next_psnr = 0;  // share of the training at which it is measured next
   ConvergenceMonitor convergence;
+
+  // Of the second round, if there is one and it has begun: what it learns from,
+  // and the field of the first round, until the new one is better.
+  std::shared_ptr<const MatchedDepth> matched_depth;
+  FieldParameters first_round;
 };
 
 // The checkpoints of one training. Learning rates, level weights and the rays

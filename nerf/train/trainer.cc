@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace structnerf {
 namespace {
@@ -44,24 +45,37 @@ double Seconds(const std::chrono::steady_clock::time_point begin) {
 
 }  // namespace
 
-Trainer::Trainer(const TrainingObjective& objective,
+Trainer::Trainer(TrainingObjective* objective,
                  const std::vector<int>& test_view_idxs,
                  const ReconstructionOptions& options,
-                 RenderEngine* engine)
-    : objective_(objective),
+                 RenderEngine* engine,
+                 MatchFunction match_views)
+    : objective_(*objective),
       options_(options),
-      appearances_(SelectAppearances(objective.Views().size(),
+      appearances_(SelectAppearances(objective->Views().size(),
                                      test_view_idxs,
                                      options.training.latent_test)),
-      engine_(engine) {
+      engine_(engine),
+      match_views_(std::move(match_views)),
+      second_round_(match_views_ == nullptr
+                        ? 0
+                        : static_cast<int>(options.loss.match_fraction *
+                                           options.training.num_steps)) {
   ChooseTestPixels(test_view_idxs);
+}
+
+double Trainer::ShareOfRound(const int step) const {
+  const bool is_second = step >= second_round_;
+  const int begin = is_second ? second_round_ : 0;
+  const int end = is_second ? options_.training.num_steps : second_round_;
+  return static_cast<double>(step - begin) / (end - begin);
 }
 
 StepParameters Trainer::MakeStep(const int step) const {
   StepParameters parameters;
   parameters.step = step;
   parameters.num_tiles = objective_.NumTiles();
-  const double time = static_cast<double>(step) / options_.training.num_steps;
+  const double time = ShareOfRound(step);
   const int num_levels = options_.field.num_levels;
   for (int level = 0; level < num_levels; ++level) {
     const double begin = num_levels > 1
@@ -73,6 +87,32 @@ StepParameters Trainer::MakeStep(const int step) const {
         static_cast<float>(std::min(std::max(weight, 0.0), 1.0)));
   }
   return parameters;
+}
+
+bool Trainer::WaitsForMatches(const TrainingState& state) const {
+  return match_views_ != nullptr && state.matched_depth == nullptr;
+}
+
+bool Trainer::IsComplete(const int step) const {
+  return ShareOfRound(step) >=
+         options_.training.coarse_to_fine_fraction + kLevelFade;
+}
+
+void Trainer::MatchViews(Progress* progress,
+                         TrainingGuards* guards,
+                         TrainingState* state) {
+  FieldParameters first_round = engine_->Parameters();
+  // As at the end of a training (Reconstructor::Train).
+  engine_->SetParameters(first_round);
+  engine_->RebuildDensityCache(progress);
+  state->matched_depth = match_views_(progress);
+  if (state->matched_depth == nullptr) {
+    return;  // asked to stop: the field is used as it is
+  }
+  state->summary.confirmed_share = ConfirmedShare(*state->matched_depth);
+  objective_.SetMatchedDepth(state->matched_depth);
+  state->first_round = std::move(first_round);
+  guards->BeginAnew(state->step);
 }
 
 TrainingSummary Trainer::Run(Progress* progress,
@@ -91,6 +131,7 @@ TrainingSummary Trainer::Run(Progress* progress,
   state.next_psnr = measurement_interval;
   TrainingGuards guards(objective_, options_, engine_);
   checkpoints->Load(engine_, &guards, &state);
+  objective_.SetMatchedDepth(state.matched_depth);
   TrainingSummary& summary = state.summary;
   summary.num_parameters = engine_->NumParameters();
   summary.num_resumed_steps = summary.num_steps;
@@ -109,14 +150,25 @@ TrainingSummary Trainer::Run(Progress* progress,
     summary.seconds = trained_seconds();
     try {
       begin += PauseOrAbort(progress);
+      if (WaitsForMatches(state) && step >= second_round_) {
+        const auto match_begin = std::chrono::steady_clock::now();
+        MatchViews(progress, &guards, &state);
+        begin += std::chrono::steady_clock::now() - match_begin;
+      }
     } catch (const Aborted&) {
       if (progress->ShouldSave()) {
         checkpoints->Save(*engine_, guards, state);
       }
       throw;
     }
+    if (state.matched_depth != nullptr && IsComplete(step)) {
+      state.first_round = FieldParameters();
+    }
     if (progress->ShouldStop()) {
       summary.stopped_early = true;
+      if (!state.first_round.grid.empty()) {
+        engine_->Restore(state.first_round);
+      }
       break;
     }
     checkpoints->SaveIfDue(*engine_, guards, state);
@@ -130,7 +182,7 @@ TrainingSummary Trainer::Run(Progress* progress,
         state.held_out_psnr = measurement.Psnr();
         state.next_psnr += measurement_interval;
         if (training.stop_when_converged && !test_pixels_.empty() &&
-            update.fraction >= training.coarse_to_fine_fraction + kLevelFade &&
+            !WaitsForMatches(state) && IsComplete(step) &&
             summary.num_steps_to_converge < 0 &&
             state.convergence.Measure(measurement.squared_error,
                                       measurement.depths)) {
@@ -157,8 +209,7 @@ TrainingSummary Trainer::Run(Progress* progress,
     }
     const double decay =
         guards.LearningRateFactor() *
-        std::pow(training.final_learning_rate_factor,
-                 static_cast<double>(step) / training.num_steps);
+        std::pow(training.final_learning_rate_factor, ShareOfRound(step));
     const bool is_finite = engine_->Update(
         static_cast<float>(decay * training.grid_learning_rate),
         static_cast<float>(decay * training.network_learning_rate));
@@ -174,10 +225,16 @@ TrainingSummary Trainer::Run(Progress* progress,
       mean_loss = std::numeric_limits<double>::quiet_NaN();
       state.next_psnr = measurement_interval;
       state.convergence = ConvergenceMonitor();
+      state.matched_depth = nullptr;
+      state.first_round = FieldParameters();
+      objective_.SetMatchedDepth(nullptr);
       summary.num_steps_to_converge = -1;
       schedule.SetPace(1);
     }
   }
+  state.matched_depth = nullptr;
+  state.first_round = FieldParameters();
+  objective_.SetMatchedDepth(nullptr);
   if (!state.is_complete) {
     summary.seconds = trained_seconds();
     state.is_complete = true;

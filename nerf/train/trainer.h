@@ -8,6 +8,7 @@
 #include "nerf/scene.h"
 #include "nerf/scene_frame.h"
 #include "nerf/train/checkpoint.h"
+#include "nerf/train/matched_depth.h"
 #include "nerf/train/training_objective.h"
 #include "nerf/view_selection.h"
 
@@ -20,12 +21,19 @@ class Trainer {
  public:
   // `test_view_idxs`: views that were held out, for PSNR. Without any, it is
   // measured at the pixels that the objective holds out of all views.
-  Trainer(const TrainingObjective& objective,
+  // `match_views`: if there is one, training has two rounds. After the first
+  // one, which is LossOptions::match_fraction of the training, views are
+  // matched, and the field begins anew and learns from that, too: one that goes
+  // on keeps what it has wrong. Learning rates fall, and levels come in, in
+  // both.
+  Trainer(TrainingObjective* objective,
           const std::vector<int>& test_view_idxs,
           const ReconstructionOptions& options,
-          RenderEngine* engine);
+          RenderEngine* engine,
+          MatchFunction match_views = nullptr);
 
-  // Throws Aborted if told to abort. Time in which it is paused does not count.
+  // Throws Aborted if told to abort. Time in which it is paused, or views are
+  // matched, does not count.
   // `previews` serves those who watch; null = nobody does. The schedule is
   // fitted into `max_seconds` from now on, if positive
   // (nerf/train/training_schedule.h).
@@ -35,7 +43,19 @@ class Trainer {
                       double max_seconds = 0);
 
  private:
+  // Share of its round of which a step is the beginning.
+  double ShareOfRound(int step) const;
+
   StepParameters MakeStep(int step) const;
+  bool WaitsForMatches(const TrainingState& state) const;
+
+  // Whether the levels of the field have come in.
+  bool IsComplete(int step) const;
+
+  // What is between the rounds.
+  void MatchViews(Progress* progress,
+                  TrainingGuards* guards,
+                  TrainingState* state);
 
   struct TestPixel {
     int view_idx = -1;
@@ -54,11 +74,13 @@ class Trainer {
   };
   Measurement MeasureTestPixels() const;
 
-  const TrainingObjective& objective_;
+  TrainingObjective& objective_;
   const ReconstructionOptions options_;
   const std::vector<Appearance> appearances_;  // of each view
   std::vector<TestPixel> test_pixels_;
   RenderEngine* const engine_;
+  const MatchFunction match_views_;
+  const int second_round_;  // its first step; 0 = there is only one round
 };
 
 }  // namespace structnerf

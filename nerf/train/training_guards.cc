@@ -69,14 +69,20 @@ bool TrainingGuards::EndStep(const int step,
         "network_learning_rate");
   }
   learning_rate_factor_ *= 0.5;
-  engine_->Restart(options_.training.seed + num_restarts);
+  BeginAnew(0);
+  return false;
+}
+
+void TrainingGuards::BeginAnew(const int step) {
+  engine_->Restart(options_.training.seed + counts_["restarted_dead_field"]);
   snapshot_ = engine_->MasterParameters();
   num_bad_steps_ = 0;
-  return false;
+  first_step_ = step;
 }
 
 void TrainingGuards::SaveState(StateWriter* writer) const {
   writer->WriteValue(learning_rate_factor_);
+  writer->WriteValue(first_step_);
   writer->WriteArray(snapshot_.grid);
   writer->WriteArray(snapshot_.network);
   writer->WriteValue(num_bad_steps_);
@@ -91,6 +97,7 @@ void TrainingGuards::SaveState(StateWriter* writer) const {
 
 void TrainingGuards::LoadState(StateReader* reader) {
   learning_rate_factor_ = reader->ReadValue<double>();
+  first_step_ = reader->ReadValue<int>();
   FieldParameters snapshot;
   snapshot.grid = reader->ReadArray<std::vector<float>>();
   snapshot.network = reader->ReadArray<std::vector<float>>();
@@ -152,8 +159,8 @@ bool TrainingGuards::IsDead(const int step, const int next_step) const {
     return false;  // a single interval is opaque whatever the field says
   }
   const double interval = kOpacityInterval * options_.training.num_steps;
-  if (static_cast<int>(next_step / interval) ==
-      static_cast<int>(step / interval)) {
+  if (static_cast<int>((next_step - first_step_) / interval) ==
+      static_cast<int>((step - first_step_) / interval)) {
     return false;
   }
   const std::unique_ptr<TileObjective> rays = objective_.MakeTileObjective();

@@ -57,6 +57,10 @@ class TrainingGuards {
   // engine starts over, and the steps must, too.
   bool EndStep(int step, int next_step, double loss, bool is_update_finite);
 
+  // Starts the field over, with learning rates as they are. To be called
+  // between two steps; `step` is the next one.
+  void BeginAnew(int step);
+
   // All that later steps depend on. LoadState throws std::runtime_error if the
   // state is that of a field of another size.
   void SaveState(StateWriter* writer) const;
@@ -74,6 +78,7 @@ class TrainingGuards {
   const ReconstructionOptions options_;
   RenderEngine* const engine_;
   double learning_rate_factor_ = 1;
+  int first_step_ = 0;  // that the field as it is has seen
   FieldParameters snapshot_;
   int num_bad_steps_ = 0;                // since the last snapshot
   int num_steps_without_patch_ = 0;      // in a row

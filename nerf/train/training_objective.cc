@@ -13,6 +13,9 @@ namespace {
 // Distance of pixels whose colour is held out.
 constexpr int kHeldOutStride = 16;
 
+// Relative deviation of matched depth, from which on rays are pulled.
+constexpr float kMatchDeviation = 0.02f;
+
 PatchLoss::Options MakePatchOptions(const LossOptions& options) {
   PatchLoss::Options patch_options;
   patch_options.radius = options.patch_radius;
@@ -44,6 +47,7 @@ class TrainingObjective::Tile : public TileObjective {
     AddSparseLoss(outputs, gradients, &losses);
     AddPriorLoss(outputs, gradients, &losses);
     AddDensePriorLoss(outputs, gradients, &losses);
+    AddMatchedDepthLoss(outputs, gradients, &losses);
     AddFarLoss(outputs, gradients, &losses);
     return losses;
   }
@@ -239,26 +243,64 @@ class TrainingObjective::Tile : public TileObjective {
     (*losses)[static_cast<size_t>(LossTerm::kPrior)] += sum;
   }
 
-  // Sparse points know better.
   void AddDensePriorLoss(const RayOutputs& outputs,
                          RayGradients* gradients,
                          LossValues* losses) const {
-    const float weight =
-        static_cast<float>(objective_.loss_options_.dense_prior_weight) /
-        objective_.NumRays();
+    const double weight = objective_.loss_options_.dense_prior_weight;
     if (weight == 0) {
       return;
     }
+    (*losses)[static_cast<size_t>(LossTerm::kDensePrior)] += SumLikelihoods(
+        weight,
+        [this](const int ray) {
+          return objective_.hints_.DensePrior(
+              drawn_.view_idx[ray], drawn_.col[ray], drawn_.row[ray]);
+        },
+        outputs,
+        gradients);
+  }
+
+  void AddMatchedDepthLoss(const RayOutputs& outputs,
+                           RayGradients* gradients,
+                           LossValues* losses) const {
+    if (objective_.matched_depth_ == nullptr) {
+      return;
+    }
+    (*losses)[static_cast<size_t>(LossTerm::kMatchedDepth)] += SumLikelihoods(
+        objective_.loss_options_.match_weight,
+        [this](const int ray) {
+          const int view_idx = drawn_.view_idx[ray];
+          const size_t width = objective_.views_.image(view_idx).width;
+          const float depth =
+              (*objective_.matched_depth_)[view_idx][drawn_.row[ray] * width +
+                                                     drawn_.col[ray]];
+          return PriorDepth{depth, kMatchDeviation * depth};
+        },
+        outputs,
+        gradients);
+  }
+
+  // Of the depth that `prior_of(ray)` gives rays that are not through a sparse
+  // point, which knows better.
+  template <typename PriorOf>
+  double SumLikelihoods(const double weight,
+                        const PriorOf& prior_of,
+                        const RayOutputs& outputs,
+                        RayGradients* gradients) const {
+    const float ray_weight = static_cast<float>(weight / objective_.NumRays());
     double sum = 0;
     for (int ray = 0; ray < drawn_.tile->num_rays; ++ray) {
-      const PriorDepth prior = objective_.hints_.DensePrior(
-          drawn_.view_idx[ray], drawn_.col[ray], drawn_.row[ray]);
+      const PriorDepth prior = prior_of(ray);
       if (prior.depth > 0 && !drawn_.IsSparse(ray)) {
-        sum += EvaluateDepthLikelihood(
-            prior, weight, objective_.length_unit_, outputs, ray, gradients);
+        sum += EvaluateDepthLikelihood(prior,
+                                       ray_weight,
+                                       objective_.length_unit_,
+                                       outputs,
+                                       ray,
+                                       gradients);
       }
     }
-    (*losses)[static_cast<size_t>(LossTerm::kDensePrior)] += sum;
+    return sum;
   }
 
   const TrainingObjective& objective_;

@@ -7,6 +7,7 @@
 #include "nerf/options.h"
 #include "nerf/scene.h"
 #include "nerf/scene_frame.h"
+#include "nerf/train/matched_depth.h"
 #include "nerf/train/ray_drawer.h"
 #include "nerf/train/scene_hints.h"
 #include "nerf/train/training_views.h"
@@ -14,6 +15,7 @@
 #include <atomic>
 #include <cstddef>
 #include <memory>
+#include <utility>
 #include <vector>
 
 namespace structnerf {
@@ -55,6 +57,12 @@ class TrainingObjective {
   // Rays of one step, which fill its tiles.
   int NumRays() const { return num_tiles_ * kMaxTileRays; }
 
+  // From the next step on, what the field is to learn from matching; null =
+  // nothing.
+  void SetMatchedDepth(std::shared_ptr<const MatchedDepth> depth) {
+    matched_depth_ = std::move(depth);
+  }
+
   // One thread's view of this objective, which must outlive it.
   std::unique_ptr<TileObjective> MakeTileObjective() const;
 
@@ -83,6 +91,7 @@ class TrainingObjective {
   PatchLoss patch_loss_;
   SceneHints hints_;
   RayDrawer drawer_;
+  std::shared_ptr<const MatchedDepth> matched_depth_;  // null = not yet
 
   // MeasureBlankness of each view; empty if the far term is off.
   std::vector<std::vector<uint8_t>> blankness_;

@@ -36,6 +36,7 @@ TEST(EstimateMemory, GrowsWithEverythingThatCosts) {
       [](ReconstructionOptions* o) { o->training.rays_per_step = 8192; });
   expect_more(
       [](ReconstructionOptions* o) { o->training.max_image_size = 640; });
+  expect_more([](ReconstructionOptions* o) { o->loss.match_weight = 1; });
 }
 
 TEST(EstimateMemory, OfTheMlpIsThatOfItsNetworks) {

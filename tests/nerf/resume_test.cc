@@ -89,6 +89,30 @@ TEST_F(ResumeTest, PiecesGiveTheSameResult) {
   EXPECT_EQ(num_resumed_steps_, 120);
 }
 
+TEST_F(ResumeTest, TwoRoundsInPiecesGiveTheSameResult) {
+  options_.loss.match_weight = 0.02;
+  checkpoints_.folder = "";
+  const std::string expected = Train(1);
+  checkpoints_.folder = folder_.Path();
+  // In the first round, while views are matched, which asks whether to abort,
+  // too, and in the second round.
+  EXPECT_THROW(Train(2, 50), Aborted);
+  EXPECT_EQ(FindCheckpoint(checkpoints_).num_steps, 50);
+  EXPECT_THROW(Train(1, 15), Aborted);
+  EXPECT_EQ(FindCheckpoint(checkpoints_).num_steps, 60);
+  int num_asked = 15;
+  int num_steps = 60;
+  while (num_steps == 60) {
+    num_asked += 15;
+    EXPECT_THROW(Train(3, num_asked), Aborted);
+    num_steps = FindCheckpoint(checkpoints_).num_steps;
+  }
+  EXPECT_LT(num_steps, 80);
+  EXPECT_THROW(Train(1, 10), Aborted);
+  EXPECT_TRUE(Train(2) == expected);
+  EXPECT_EQ(num_resumed_steps_, num_steps + 10);
+}
+
 TEST_F(ResumeTest, SavingOnTheWayChangesNothing) {
   checkpoints_.folder = "";
   const std::string expected = Train(2);

@@ -75,12 +75,12 @@ std::string MeasureSchedule(const int num_steps) {
     view_idxs.push_back(static_cast<int>(v));
     sources.push_back({static_cast<int>(v == 0)});
   }
-  const TrainingObjective objective(
+  TrainingObjective objective(
       scene, frame, view_idxs, sources, options.loss, options.training);
   ScheduleEngine engine;
   Progress progress;
   Checkpoints none(CheckpointOptions(), scene);
-  Trainer(objective, {}, options, &engine).Run(&progress, nullptr, &none);
+  Trainer(&objective, {}, options, &engine).Run(&progress, nullptr, &none);
   RequireStable(engine.num_steps == num_steps, "steps are missing");
   const double ratio = engine.last_rate / engine.first_rate;
   const double expected =

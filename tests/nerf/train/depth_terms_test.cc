@@ -204,6 +204,55 @@ TEST(DepthTerms, DensePriorPullsAtItsViewsRays) {
   EXPECT_NE(sum, 0);
 }
 
+TEST(DepthTerms, MatchedDepthPullsAtItsPixelsRays) {
+  ObjectiveScene test;
+  OnlyColor(&test.loss);
+  test.loss.match_weight = 0.5;
+  TrainingObjective objective = test.MakeObjective();
+  const auto tile_objective = objective.MakeTileObjective();
+  // Of the second view, and of its left half only.
+  auto matched = std::make_shared<MatchedDepth>(test.scene.views.size());
+  for (size_t v = 0; v < matched->size(); ++v) {
+    const TrainingViews::Image& image =
+        objective.Views().image(static_cast<int>(v));
+    for (int row = 0; row < image.height; ++row) {
+      for (int col = 0; col < image.width; ++col) {
+        (*matched)[v].push_back(v == 1 && 2 * col < image.width ? 100.0f : 0);
+      }
+    }
+  }
+  int num_pulled = 0;
+  for (const bool is_known : {false, true}) {
+    if (is_known) {
+      objective.SetMatchedDepth(matched);
+    }
+    for (int tile = 0; tile < objective.NumTiles(); ++tile) {
+      RayTile rays;
+      tile_objective->DrawRays(0, tile, &rays);
+      RayOutputs outputs = test.TrueOutputs(rays);
+      for (int ray = 0; ray < rays.num_rays; ++ray) {
+        outputs.depth_variance[ray] = 1e-3f;
+      }
+      RayGradients gradients;
+      const double loss = Value(tile_objective->Evaluate(outputs, &gradients),
+                                LossTerm::kMatchedDepth);
+      int num_expected = 0;
+      for (int ray = 0; ray < rays.num_rays; ++ray) {
+        const auto place = test.Identify(rays, ray);
+        const bool is_pulled =
+            is_known && place.view_idx == 1 &&
+            2 * std::floor(place.x) < objective.Views().image(1).width;
+        // Farther away than it is.
+        EXPECT_EQ(gradients.d_depth[ray] < 0, is_pulled);
+        num_expected += is_pulled;
+      }
+      EXPECT_EQ(loss != 0, num_expected > 0);
+      num_pulled += num_expected;
+    }
+  }
+  EXPECT_GT(num_pulled, 10);
+}
+
 // Four corners of a unit step in depth: the triple product notices what leaves
 // the plane, in units of the median depth, whatever the planar scale.
 TEST(DepthTerms, TripleProductOfTheWallVanishes) {
