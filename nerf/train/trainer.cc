@@ -93,7 +93,7 @@ bool Trainer::WaitsForMatches(const TrainingState& state) const {
   return match_views_ != nullptr && state.matched_depth == nullptr;
 }
 
-bool Trainer::IsComplete(const int step) const {
+bool Trainer::HasAllLevels(const int step) const {
   return ShareOfRound(step) >=
          options_.training.coarse_to_fine_fraction + kLevelFade;
 }
@@ -161,7 +161,7 @@ TrainingSummary Trainer::Run(Progress* progress,
       }
       throw;
     }
-    if (state.matched_depth != nullptr && IsComplete(step)) {
+    if (state.matched_depth != nullptr && HasAllLevels(step)) {
       state.first_round = FieldParameters();
     }
     if (progress->ShouldStop()) {
@@ -182,7 +182,7 @@ TrainingSummary Trainer::Run(Progress* progress,
         state.held_out_psnr = measurement.Psnr();
         state.next_psnr += measurement_interval;
         if (training.stop_when_converged && !test_pixels_.empty() &&
-            !WaitsForMatches(state) && IsComplete(step) &&
+            !WaitsForMatches(state) && HasAllLevels(step) &&
             summary.num_steps_to_converge < 0 &&
             state.convergence.Measure(measurement.squared_error,
                                       measurement.depths)) {

@@ -49,8 +49,8 @@ class Trainer {
   StepParameters MakeStep(int step) const;
   bool WaitsForMatches(const TrainingState& state) const;
 
-  // Whether the levels of the field have come in.
-  bool IsComplete(int step) const;
+  // Whether all levels of the field have come in, in this round.
+  bool HasAllLevels(int step) const;
 
   // What is between the rounds.
   void MatchViews(Progress* progress,
