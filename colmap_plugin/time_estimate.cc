@@ -33,6 +33,7 @@ constexpr int kItsOwn = -1;
 std::vector<Candidate> MakeCandidates(
     const std::vector<PinholeCamera>& cameras) {
   std::vector<Candidate> candidates = {{"high", kItsOwn},
+                                       {"high", 2},
                                        {"medium", kItsOwn},
                                        {"medium", 1},
                                        {"low", 1},

@@ -74,6 +74,14 @@ TEST(QualityForTime, SpendsMoreOnLargePhotographs) {
   EXPECT_EQ(QualityForTime(options, cameras, 1).quality, "extreme");
 }
 
+TEST(QualityForTime, SavesSweepsOfTheBestQuality) {
+  StructNerfOptions options = MakeOptions("medium");
+  options.max_minutes = 1.25;
+  const QualityChoice choice = QualityForTime(options, kCameras, 1);
+  EXPECT_EQ(choice.quality, "high");
+  EXPECT_EQ(choice.num_sweeps, 2);
+}
+
 // But nothing of the kind where there is no matching.
 void ExpectOneSweep(const double minutes, const std::string& quality) {
   StructNerfOptions options = MakeOptions("medium");
