@@ -1,6 +1,7 @@
 #include "colmap_plugin/time_estimate.h"
 
 #include "colmap_plugin/option_table.h"
+#include "nerf/view_mapper.h"
 
 #include <algorithm>
 #include <cmath>
@@ -68,7 +69,6 @@ TimeEstimate EstimateTime(const StructNerfOptions& options,
       method.stereo.num_iterations > 0 ? method.stereo.num_iterations + 1 : 0;
   const double completed_pixels =
       method.CompletesPlanes() ? training_pixels : 0;
-  const int num_brief_sweeps = (method.stereo.num_iterations + 1) / 2 + 1;
   const double num_threads =
       colmap::GetEffectiveNumThreads(method.training.num_threads);
   TimeEstimate estimate;
@@ -76,7 +76,8 @@ TimeEstimate EstimateTime(const StructNerfOptions& options,
   estimate.training = (kPerSample * samples + kDensityCache) / num_threads;
   if (method.LearnsFromMatches()) {
     estimate.matching =
-        ((kPerRenderedPixel + kPerMatchedPixel * num_brief_sweeps) *
+        ((kPerRenderedPixel +
+          kPerMatchedPixel * (NumBriefSweeps(method.stereo) + 1)) *
              training_pixels +
          kPerCompletedPixel * completed_pixels) /
             num_threads +

@@ -285,10 +285,7 @@ void Reconstructor::Train(Progress* progress,
 DenseMaps Reconstructor::RenderView(const size_t view_idx,
                                     Progress* progress,
                                     DenseMaps* field) const {
-  return impl_->mapper->MakeMaps(impl_->scene.views.at(view_idx),
-                                 static_cast<int>(view_idx),
-                                 progress,
-                                 field);
+  return impl_->mapper->MakeMaps(static_cast<int>(view_idx), progress, field);
 }
 
 void Reconstructor::AddMaps(const size_t view_idx, const DenseMaps& maps) {

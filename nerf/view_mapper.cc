@@ -24,12 +24,6 @@ Scene AtTrainingSize(const Scene& scene) {
   return result;
 }
 
-// What the field learns from need not be as good as what is written.
-StereoOptions WithHalfTheSweeps(StereoOptions options) {
-  options.num_iterations = (options.num_iterations + 1) / 2;
-  return options;
-}
-
 void KeepOnlyDepth(DenseMaps* maps) {
   maps->normal = std::vector<float>();
   maps->relative_std = std::vector<float>();
@@ -37,6 +31,10 @@ void KeepOnlyDepth(DenseMaps* maps) {
 }
 
 }  // namespace
+
+int NumBriefSweeps(const StereoOptions& options) {
+  return (options.num_iterations + 1) / 2;
+}
 
 ViewMapper::ViewMapper(const Scene& scene,
                        const SceneFrame& frame,
@@ -51,15 +49,13 @@ ViewMapper::ViewMapper(const Scene& scene,
       sources_(sources),
       options_(options),
       patch_match_(scene, frame, views, sources, options.stereo),
-      brief_patch_match_(
-          scene, frame, views, sources, WithHalfTheSweeps(options.stereo)),
       engine_(engine),
       pool_(pool) {}
 
-DenseMaps ViewMapper::MakeMaps(const View& view,
-                               const int view_idx,
+DenseMaps ViewMapper::MakeMaps(const int view_idx,
                                Progress* progress,
                                DenseMaps* field) const {
+  const View& view = scene_.views.at(view_idx);
   DenseMaps maps = RenderField(view, progress);
   if (field != nullptr) {
     *field = maps;
@@ -97,6 +93,10 @@ void ViewMapper::Refine(const View& view,
 
 std::shared_ptr<const MatchedDepth> ViewMapper::Match(
     const std::vector<int>& view_idxs, Progress* progress) const {
+  StereoOptions brief_options = options_.stereo;
+  brief_options.num_iterations = NumBriefSweeps(options_.stereo);
+  const PatchMatch brief_patch_match(
+      scene_, frame_, views_, sources_, brief_options);
   const Scene scene = AtTrainingSize(scene_);
   std::vector<DenseMaps> maps(scene.views.size());
   std::unique_ptr<PlaneCompletion> planes;
@@ -115,7 +115,7 @@ std::shared_ptr<const MatchedDepth> ViewMapper::Match(
     const int view_idx = view_idxs[i];
     const View& view = scene.views[view_idx];
     maps[view_idx] = RenderField(view, &silent);
-    Refine(view, view_idx, brief_patch_match_, &silent, &maps[view_idx]);
+    Refine(view, view_idx, brief_patch_match, &silent, &maps[view_idx]);
     if (planes != nullptr) {
       planes->AddView(view_idx, maps[view_idx], pool_);
     }

@@ -16,6 +16,10 @@
 
 namespace structnerf {
 
+// Sweeps for what the field learns from, half of those for what is written: the
+// former need not be as good.
+int NumBriefSweeps(const StereoOptions& options);
+
 // Makes depth and normal maps of the views of a scene from what an engine has
 // learned so far. What the constructor is given must outlive this object.
 class ViewMapper {
@@ -29,22 +33,21 @@ class ViewMapper {
              RenderEngine* engine,
              ThreadPool* pool);
 
-  // Depth and normals of `view`, the one of that index or the same with its
-  // camera at another size, refined by matching if the options say so. `field`
-  // receives them before matching; null = not needed.
-  DenseMaps MakeMaps(const View& view,
-                     int view_idx,
+  // Depth and normals of a view, refined by matching if the options say so.
+  // `field` receives them before matching; null = not needed.
+  DenseMaps MakeMaps(int view_idx,
                      Progress* progress,
                      DenseMaps* field = nullptr) const;
 
-  // Matches these views, with half of the sweeps and at the size of their
-  // training images, puts blank
-  // surfaces onto planes if the options say so, and keeps what others of these
-  // views confirm as ExtractionOptions say. As a MatchFunction.
+  // Matches these views, with NumBriefSweeps and at the size of their training
+  // images, puts blank surfaces onto planes if the options say so, and keeps
+  // what others of these views confirm as ExtractionOptions say. As a
+  // MatchFunction.
   std::shared_ptr<const MatchedDepth> Match(const std::vector<int>& view_idxs,
                                             Progress* progress) const;
 
  private:
+  // `view`: one of the scene, or the same with its camera at another size.
   DenseMaps RenderField(const View& view, Progress* progress) const;
   void Refine(const View& view,
               int view_idx,
@@ -65,7 +68,6 @@ class ViewMapper {
   const std::vector<std::vector<int>>& sources_;
   const ReconstructionOptions& options_;
   const PatchMatch patch_match_;
-  const PatchMatch brief_patch_match_;
   RenderEngine* const engine_;
   ThreadPool* const pool_;
 };

@@ -115,6 +115,12 @@ void Trainer::MatchViews(Progress* progress,
   guards->BeginAnew(state->step);
 }
 
+void Trainer::ForgetMatches(TrainingState* state) {
+  state->matched_depth = nullptr;
+  state->first_round = FieldParameters();
+  objective_.SetMatchedDepth(nullptr);
+}
+
 TrainingSummary Trainer::Run(Progress* progress,
                              PreviewRenderer* previews,
                              Checkpoints* checkpoints,
@@ -225,16 +231,12 @@ TrainingSummary Trainer::Run(Progress* progress,
       mean_loss = std::numeric_limits<double>::quiet_NaN();
       state.next_psnr = measurement_interval;
       state.convergence = ConvergenceMonitor();
-      state.matched_depth = nullptr;
-      state.first_round = FieldParameters();
-      objective_.SetMatchedDepth(nullptr);
+      ForgetMatches(&state);
       summary.num_steps_to_converge = -1;
       schedule.SetPace(1);
     }
   }
-  state.matched_depth = nullptr;
-  state.first_round = FieldParameters();
-  objective_.SetMatchedDepth(nullptr);
+  ForgetMatches(&state);
   if (!state.is_complete) {
     summary.seconds = trained_seconds();
     state.is_complete = true;

@@ -57,6 +57,8 @@ class Trainer {
                   TrainingGuards* guards,
                   TrainingState* state);
 
+  void ForgetMatches(TrainingState* state);
+
   struct TestPixel {
     int view_idx = -1;
     int col = 0;

@@ -112,8 +112,7 @@ TEST_F(ViewMapperTest, MapsHaveTheSizeOfTheCamera) {
   const ViewMapper mapper(
       scene_, frame_, *views_, sources_, options_, &engine_, &pool_);
   DenseMaps field;
-  const DenseMaps maps =
-      mapper.MakeMaps(scene_.views[0], 0, &progress_, &field);
+  const DenseMaps maps = mapper.MakeMaps(0, &progress_, &field);
   EXPECT_EQ(maps.width, 128);
   EXPECT_EQ(maps.height, 96);
   const size_t center = 48 * 128 + 64;
