@@ -9,8 +9,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include <colmap/util/endian.h>
-
 namespace structnerf {
 namespace {
 
@@ -215,18 +213,11 @@ void DenseWorkspace::WriteConsistencyGraph(
     const std::string& image_name,
     const int width,
     const int height,
-    const std::vector<ConsistencyRecord>& records) const {
+    const std::vector<int>& graph) const {
   WriteWholeFile(ConsistencyGraphPath(image_name), [&](std::ostream* stream) {
-    const auto write = [&](const int value) {
-      colmap::WriteBinaryLittleEndian<int>(stream, value);
-    };
     *stream << width << "&" << height << "&1&";
-    for (const ConsistencyRecord& record : records) {
-      write(record.col);
-      write(record.row);
-      write(static_cast<int>(record.view_idxs.size()));
-      std::for_each(record.view_idxs.begin(), record.view_idxs.end(), write);
-    }
+    stream->write(reinterpret_cast<const char*>(graph.data()),
+                  static_cast<std::streamsize>(graph.size() * sizeof(int)));
   });
 }
 

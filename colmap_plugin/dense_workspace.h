@@ -86,12 +86,12 @@ class DenseWorkspace {
                        const std::vector<float>& confidence) const;
   FloatArray ReadConfidence(const std::string& image_name) const;
 
-  // `records[i].view_idxs` index the registered images in the model's order.
-  void WriteConsistencyGraph(
-      const std::string& image_name,
-      int width,
-      int height,
-      const std::vector<ConsistencyRecord>& records) const;
+  // `graph`: as in nerf/extract/consistency.h; its indices are those of the
+  // registered images in the model's order.
+  void WriteConsistencyGraph(const std::string& image_name,
+                             int width,
+                             int height,
+                             const std::vector<int>& graph) const;
 
   // stereo/patch-match.cfg with the source images of each image, and
   // stereo/fusion.cfg. `source_idxs[i]` index `image_names`, best first.

@@ -98,13 +98,12 @@ void MapMaker::CheckConsistency(
                                      &pool,
                                      stage->Inner());
     DenseMaps maps = all_maps[i];
-    const std::vector<uint8_t> is_confirmed =
-        ConfirmedPixels(consistency, maps.width);
+    const std::vector<uint8_t>& is_confirmed = consistency.is_confirmed;
     StereoMaps geometric{maps.width, maps.height, maps.depth, maps.normal};
     geometric.KeepOnly(is_confirmed);
     workspace_->WriteMaps(name, MapType::kGeometric, geometric);
     workspace_->WriteConsistencyGraph(
-        name, maps.width, maps.height, consistency.records);
+        name, maps.width, maps.height, consistency.graph);
 
     if (options_.matches_views) {
       ReplaceUnconfirmed(

@@ -34,12 +34,10 @@ constexpr size_t kDecodingBytesPerPixel = 2 * 3;
 
 // While a view is checked: its geometric and photometric maps and those of the
 // field, angle, confidence and whether it is confirmed; of a confirmed pixel
-// the record, once in its row and twice in the list of all as that grows, and
-// what the list of views takes beside them.
-constexpr size_t kCheckBytesPerPixel = 3 * kStereoBytesPerPixel +
-                                       2 * sizeof(float) + 1 +
-                                       3 * sizeof(ConsistencyRecord) + 16;
-constexpr size_t kCheckBytesPerPixelAndSource = sizeof(int);
+// the part of the graph, once in its row and once in the whole.
+constexpr size_t kCheckBytesPerPixel =
+    3 * kStereoBytesPerPixel + 2 * sizeof(float) + 1 + 2 * 3 * sizeof(int);
+constexpr size_t kCheckBytesPerPixelAndSource = 2 * sizeof(int);
 
 // Both kinds of maps, three interim ones with distinctness, confidence, and
 // consistency graphs that are about half full.

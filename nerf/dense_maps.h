@@ -45,11 +45,4 @@ void KeepOnly(const Predicate& keep, DenseMaps* maps) {
   }
 }
 
-// For every pixel of a view the other views that confirm its depth.
-struct ConsistencyRecord {
-  int col = 0;
-  int row = 0;
-  std::vector<int> view_idxs;  // into Scene::views, ascending
-};
-
 }  // namespace structnerf

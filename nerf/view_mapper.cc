@@ -144,14 +144,14 @@ std::shared_ptr<const MatchedDepth> ViewMapper::ConfirmedDepth(
   const auto confirmed = std::make_shared<MatchedDepth>(maps.size());
   for (const int view_idx : view_idxs) {
     const std::vector<uint8_t> is_confirmed =
-        ConfirmedPixels(CheckConsistency(scene,
-                                         maps,
-                                         view_idx,
-                                         sources_[view_idx],
-                                         extraction,
-                                         pool_,
-                                         progress),
-                        maps[view_idx].width);
+        CheckConsistency(scene,
+                         maps,
+                         view_idx,
+                         sources_[view_idx],
+                         extraction,
+                         pool_,
+                         progress)
+            .is_confirmed;
     for (size_t i = 0; i < is_confirmed.size(); ++i) {
       // Half a pixel beside where it was matched, which matters little beside
       // the deviation that it is given.

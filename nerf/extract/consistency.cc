@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <utility>
 
 #include <Eigen/LU>
@@ -115,12 +114,12 @@ ViewConsistency CheckConsistency(const Scene& scene,
       options.max_reprojection_error *
       PixelsPerReferencePixel(scene.views[view_idx].camera);
   ViewConsistency consistency;
+  consistency.is_confirmed.assign(reference.depth.size(), 0);
   consistency.angles.assign(reference.depth.size(), 0.0f);
-  std::vector<std::vector<ConsistencyRecord>> rows(reference.height);
-  WatchedParallelFor(rows.size(), pool, progress, [&](const size_t item, int) {
-    const int row = static_cast<int>(item);
-    ConsistencyRecord record;
-    record.row = row;
+  std::vector<std::vector<int>> graph_rows(reference.height);
+  const auto check_row = [&](const int row) {
+    std::vector<int>& graph = graph_rows[row];
+    std::vector<int> confirming;
     for (int col = 0; col < reference.width; ++col) {
       const size_t pixel = static_cast<size_t>(row) * reference.width + col;
       const double depth = reference.depth[pixel];
@@ -129,9 +128,10 @@ ViewConsistency CheckConsistency(const Scene& scene,
       }
       const Eigen::Vector3d in_reference =
           depth * (ray_from_pixel * Eigen::Vector3d(col, row, 1));
-      double angle = 0;
-      record.col = col;
-      record.view_idxs.clear();
+      const Eigen::Vector3d direction = in_reference.normalized();
+      const Source* widest = nullptr;
+      double smallest_cosine = 2;
+      confirming.clear();
       for (const Source& source : sources) {
         if (Confirms(source.forward,
                      source.backward,
@@ -141,35 +141,44 @@ ViewConsistency CheckConsistency(const Scene& scene,
                      depth,
                      options.max_relative_depth_error,
                      max_reprojection_error)) {
-          record.view_idxs.push_back(source.view_idx);
-          angle =
-              std::max(angle,
-                       kDegrees * TriangulationAngle(Eigen::Vector3d::Zero(),
-                                                     source.center,
-                                                     in_reference));
+          confirming.push_back(source.view_idx);
+          const Eigen::Vector3d ray = in_reference - source.center;
+          const double cosine = ray.dot(direction) / ray.norm();
+          if (cosine < smallest_cosine) {
+            smallest_cosine = cosine;
+            widest = &source;
+          }
         }
       }
+      const double angle =
+          widest == nullptr
+              ? 0.0
+              : kDegrees * TriangulationAngle(Eigen::Vector3d::Zero(),
+                                              widest->center,
+                                              in_reference);
       consistency.angles[pixel] = static_cast<float>(angle);
-      if (static_cast<int>(record.view_idxs.size()) >=
-              options.min_num_consistent &&
+      const int num_confirming = static_cast<int>(confirming.size());
+      if (num_confirming >= options.min_num_consistent &&
           angle >= options.min_triangulation_angle) {
-        rows[item].push_back(record);
+        consistency.is_confirmed[pixel] = 1;
+        graph.insert(graph.end(), {col, row, num_confirming});
+        graph.insert(graph.end(), confirming.begin(), confirming.end());
       }
     }
-  });
-  for (std::vector<ConsistencyRecord>& row : rows) {
-    std::move(row.begin(), row.end(), std::back_inserter(consistency.records));
+  };
+  WatchedParallelFor(
+      graph_rows.size(), pool, progress, [&](const size_t row, int) {
+        check_row(static_cast<int>(row));
+      });
+  size_t graph_size = 0;
+  for (const std::vector<int>& row : graph_rows) {
+    graph_size += row.size();
+  }
+  consistency.graph.reserve(graph_size);
+  for (const std::vector<int>& row : graph_rows) {
+    consistency.graph.insert(consistency.graph.end(), row.begin(), row.end());
   }
   return consistency;
-}
-
-std::vector<uint8_t> ConfirmedPixels(const ViewConsistency& consistency,
-                                     const int width) {
-  std::vector<uint8_t> is_confirmed(consistency.angles.size(), 0);
-  for (const ConsistencyRecord& record : consistency.records) {
-    is_confirmed[static_cast<size_t>(record.row) * width + record.col] = 1;
-  }
-  return is_confirmed;
 }
 
 void ReplaceUnconfirmed(const std::vector<uint8_t>& is_confirmed,

@@ -13,8 +13,14 @@ namespace structnerf {
 
 // What other views say about the depth of a view's pixels.
 struct ViewConsistency {
-  // The pixels that are confirmed as well as the options ask for, row by row.
-  std::vector<ConsistencyRecord> records;
+  // Whether a pixel is confirmed as well as the options ask for: 1 or 0.
+  // Row-major.
+  std::vector<uint8_t> is_confirmed;
+
+  // Of each of these pixels, row by row: its column, its row, the number of
+  // views that confirm it and their indices into Scene::views, ascending. (As
+  // COLMAP's consistency graphs have it.)
+  std::vector<int> graph;
 
   // The largest angle, in degrees, between the ray of a pixel and that of a
   // view that confirms it; 0 = none does. The depth of a point that is seen
@@ -36,11 +42,7 @@ ViewConsistency CheckConsistency(const Scene& scene,
                                  ThreadPool* pool,
                                  Progress* progress);
 
-// Whether each pixel of a view so wide is in the records: 1 or 0. Row-major.
-std::vector<uint8_t> ConfirmedPixels(const ViewConsistency& consistency,
-                                     int width);
-
-// Gives pixels that nobody confirms the depth and the normal of other maps of
+// Gives pixels that are not confirmed the depth and the normal of other maps of
 // the same view. Those without a depth stay without.
 void ReplaceUnconfirmed(const std::vector<uint8_t>& is_confirmed,
                         const DenseMaps& other,

@@ -195,15 +195,17 @@ MapsSummary ReconstructIntoFolder(
                          extraction,
                          &pool,
                          progress);
-    const auto is_confirmed = ConfirmedPixels(consistency, all_maps[i].width);
     DenseMaps photometric = all_maps[i];
     if (!fields.empty()) {
-      ReplaceUnconfirmed(is_confirmed, fields[i], &photometric);
+      ReplaceUnconfirmed(consistency.is_confirmed, fields[i], &photometric);
     }
     WriteMaps(folder, name, "photometric", photometric);
     DenseMaps geometric = all_maps[i];
-    KeepOnly([&](const size_t pixel) { return is_confirmed[pixel] != 0; },
-             &geometric);
+    KeepOnly(
+        [&](const size_t pixel) {
+          return consistency.is_confirmed[pixel] != 0;
+        },
+        &geometric);
     WriteMaps(folder, name, "geometric", geometric);
     summary.num_pixels += photometric.depth.size();
     summary.num_photometric += NumDepths(photometric);

@@ -76,8 +76,7 @@ TEST_F(DenseWorkspaceTest, ColmapReadsMaps) {
 
 TEST_F(DenseWorkspaceTest, ColmapReadsConsistencyGraph) {
   workspace_.CreateFolders({"a.jpg"});
-  workspace_.WriteConsistencyGraph(
-      "a.jpg", 3, 2, {{2, 0, {1, 4}}, {0, 1, {3}}});
+  workspace_.WriteConsistencyGraph("a.jpg", 3, 2, {2, 0, 2, 1, 4, 0, 1, 1, 3});
 
   colmap::mvs::ConsistencyGraph graph;
   graph.Read(temp_dir_ / "dense/stereo/consistency_graphs/a.jpg.geometric.bin");

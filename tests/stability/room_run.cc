@@ -45,15 +45,14 @@ void TakeConfirmed(const Reconstructor& reconstructor,
   Progress progress;
   std::vector<std::vector<uint8_t>> is_confirmed;
   for (size_t v = 0; v < matched->size(); ++v) {
-    is_confirmed.push_back(
-        ConfirmedPixels(CheckConsistency(scene,
-                                         *matched,
-                                         v,
-                                         reconstructor.SourceViews()[v],
-                                         options,
-                                         &pool,
-                                         &progress),
-                        (*matched)[v].width));
+    is_confirmed.push_back(CheckConsistency(scene,
+                                            *matched,
+                                            v,
+                                            reconstructor.SourceViews()[v],
+                                            options,
+                                            &pool,
+                                            &progress)
+                               .is_confirmed);
   }
   for (size_t v = 0; v < matched->size(); ++v) {
     ReplaceUnconfirmed(is_confirmed[v], (*field)[v], &(*matched)[v]);

@@ -3,6 +3,7 @@
 #include "nerf/extract/map_resolution.h"
 #include "tests/nerf/plane_scene.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <vector>
@@ -67,8 +68,12 @@ struct PlaneMaps {
   std::map<std::pair<int, int>, std::vector<int>> Find(
       const std::vector<int>& sources) const {
     std::map<std::pair<int, int>, std::vector<int>> found;
-    for (const ConsistencyRecord& record : Check(sources).records) {
-      found[{record.col, record.row}] = record.view_idxs;
+    const std::vector<int> graph = Check(sources).graph;
+    for (auto record = graph.begin(); record != graph.end();) {
+      const auto view_idxs = record + 3;
+      const auto end = view_idxs + record[2];
+      found[{record[0], record[1]}] = std::vector<int>(view_idxs, end);
+      record = end;
     }
     return found;
   }
@@ -158,14 +163,20 @@ TEST(CheckConsistency, AsManyViewsAsAskedFor) {
   EXPECT_THAT(test.Find({1, 3})[middle], ElementsAre(1, 3));
 }
 
-TEST(CheckConsistency, RecordsComeRowByRow) {
+TEST(CheckConsistency, TheGraphHasTheConfirmedPixelsRowByRow) {
   PlaneMaps test({0, 0.1, -0.1});
-  const std::vector<ConsistencyRecord> records = test.Check({1, 2}).records;
-  ASSERT_GT(records.size(), 100u);
-  for (size_t i = 1; i < records.size(); ++i) {
-    EXPECT_LT(records[i - 1].row * kWidth + records[i - 1].col,
-              records[i].row * kWidth + records[i].col);
+  const ViewConsistency consistency = test.Check({1, 2});
+  std::vector<uint8_t> is_in_graph(kWidth * kHeight, 0);
+  int last_pixel = -1;
+  for (size_t i = 0; i < consistency.graph.size();
+       i += 3 + consistency.graph[i + 2]) {
+    const int pixel = consistency.graph[i + 1] * kWidth + consistency.graph[i];
+    EXPECT_LT(last_pixel, pixel);
+    is_in_graph[pixel] = 1;
+    last_pixel = pixel;
   }
+  EXPECT_EQ(consistency.is_confirmed, is_in_graph);
+  EXPECT_GT(std::count(is_in_graph.begin(), is_in_graph.end(), 1), 100);
 }
 
 TEST(CheckConsistency, OutliersAndHolesAreNotConfirmed) {

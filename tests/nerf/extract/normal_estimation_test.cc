@@ -2,6 +2,7 @@
 
 #include "nerf/extract/map_resolution.h"
 #include "tests/nerf/plane_scene.h"
+#include "tests/nerf/simd_targets.h"
 
 #include <cmath>
 #include <functional>
@@ -64,6 +65,8 @@ void ExpectUnitAndFacing(const DenseMaps& maps) {
   }
 }
 
+class EstimateNormalsTest : public SimdTargetTest {};
+
 // The plane n . X = -distance seen by the camera at the origin.
 double PlaneDepth(const Eigen::Vector3d& normal,
                   const double distance,
@@ -72,7 +75,7 @@ double PlaneDepth(const Eigen::Vector3d& normal,
   return -distance / normal.dot(Ray(col, row));
 }
 
-TEST(EstimateNormals, PlanesAtAnyScale) {
+TEST_P(EstimateNormalsTest, PlanesAtAnyScale) {
   const std::vector<Eigen::Vector3d> normals = {{0, 0, -1},
                                                 {0.5, 0, -1},
                                                 {0, -0.7, -1},
@@ -98,7 +101,7 @@ TEST(EstimateNormals, PlanesAtAnyScale) {
 
 // A floor seen from 1.5 m above, five to nine metres away: neighbouring rows
 // differ by up to 2.5 % in depth although they are one plane.
-TEST(EstimateNormals, GrazingPlane) {
+TEST_P(EstimateNormalsTest, GrazingPlane) {
   const PinholeCamera camera{kWidth, kHeight, 250, 250, 20, -40};
   const Eigen::Vector3d normal = Eigen::Vector3d(0.05, -1, 0).normalized();
   DenseMaps maps = MakeMaps([&](const int col, const int row) {
@@ -117,7 +120,7 @@ TEST(EstimateNormals, GrazingPlane) {
 
 // Two walls with a gap of a fifth in depth: each keeps its normal up to the
 // edge.
-TEST(EstimateNormals, StepEdgesStaySharp) {
+TEST_P(EstimateNormalsTest, StepEdgesStaySharp) {
   const Eigen::Vector3d left = Eigen::Vector3d(0.3, 0.1, -1).normalized();
   const Eigen::Vector3d right = Eigen::Vector3d(-0.4, 0.2, -1).normalized();
   const double left_distance = -3 * left.dot(Ray(20, 15));
@@ -137,7 +140,7 @@ TEST(EstimateNormals, StepEdgesStaySharp) {
   }
 }
 
-TEST(EstimateNormals, IsolatedPixelFacesTheCamera) {
+TEST_P(EstimateNormalsTest, IsolatedPixelFacesTheCamera) {
   DenseMaps maps = MakeMaps([](const int col, const int row) {
     return col == 30 && row == 5 ? 2.0 : 0.0;
   });
@@ -146,7 +149,7 @@ TEST(EstimateNormals, IsolatedPixelFacesTheCamera) {
   EXPECT_LT(AngleInDegrees(Normal(maps, 30, 5), {0, 0, -1}), 20);
 }
 
-TEST(EstimateNormals, PixelsAroundHolesKeepTheirNormal) {
+TEST_P(EstimateNormalsTest, PixelsAroundHolesKeepTheirNormal) {
   const Eigen::Vector3d normal = Eigen::Vector3d(0.4, -0.3, -1).normalized();
   DenseMaps maps = MakeMaps([&](const int col, const int row) {
     const bool is_hole = (col * 7 + row * 5) % 3 == 0 || std::abs(col - 20) < 3;
@@ -164,7 +167,7 @@ TEST(EstimateNormals, PixelsAroundHolesKeepTheirNormal) {
   }
 }
 
-TEST(EstimateNormals, NoisyDepthIsSmoothed) {
+TEST_P(EstimateNormalsTest, NoisyDepthIsSmoothed) {
   const Eigen::Vector3d normal = Eigen::Vector3d(0.2, -0.3, -1).normalized();
   // 0.2 % of noise between neighbours, which would tilt a difference of two
   // pixels by up to 15 degrees.
@@ -182,7 +185,7 @@ TEST(EstimateNormals, NoisyDepthIsSmoothed) {
 
 // Blocks of pixels that share their depth, as coarse maps have when they are
 // enlarged.
-TEST(EstimateNormals, LargeMapsAreLookedAtFromFarther) {
+TEST_P(EstimateNormalsTest, LargeMapsAreLookedAtFromFarther) {
   const Eigen::Vector3d normal = Eigen::Vector3d(0.2, 0, -1).normalized();
   const PinholeCamera camera = {6 * kReferenceMapSize, 60, 3000, 3000, 0, 30};
   constexpr int kBlock = 6;
@@ -208,7 +211,7 @@ TEST(EstimateNormals, LargeMapsAreLookedAtFromFarther) {
 }
 
 // Values that come from a field that has gone wrong.
-TEST(EstimateNormals, WildDepthsGiveUnitNormals) {
+TEST_P(EstimateNormalsTest, WildDepthsGiveUnitNormals) {
   DenseMaps maps = MakeMaps([](const int col, const int row) {
     return std::pow(10.0, (7 * col + 11 * row) % 13 - 6);
   });
@@ -216,7 +219,7 @@ TEST(EstimateNormals, WildDepthsGiveUnitNormals) {
   ExpectUnitAndFacing(maps);
 }
 
-TEST(EstimateNormals, AreTheSameOnAnyNumberOfThreads) {
+TEST_P(EstimateNormalsTest, AreTheSameOnAnyNumberOfThreads) {
   DenseMaps maps = MakeMaps([](const int col, const int row) {
     return 2 + 0.01 * ((col * 7919 + row * 104729) % 97);
   });
@@ -228,7 +231,7 @@ TEST(EstimateNormals, AreTheSameOnAnyNumberOfThreads) {
   EXPECT_EQ(others.normal, maps.normal);
 }
 
-TEST(EstimateNormals, EndsWhenToldTo) {
+TEST_P(EstimateNormalsTest, EndsWhenToldTo) {
   class AbortingProgress : public Progress {
     bool ShouldAbort() override { return true; }
   };
@@ -238,7 +241,7 @@ TEST(EstimateNormals, EndsWhenToldTo) {
   EXPECT_THROW(EstimateNormals(TestCamera(), &pool, &progress, &maps), Aborted);
 }
 
-TEST(EstimateNormals, OnePixel) {
+TEST_P(EstimateNormalsTest, OnePixel) {
   DenseMaps maps;
   maps.width = 1;
   maps.height = 1;
@@ -247,6 +250,8 @@ TEST(EstimateNormals, OnePixel) {
   ASSERT_EQ(maps.normal.size(), 3u);
   EXPECT_LT(maps.normal[2], -0.9f);
 }
+
+STRUCTNERF_FOR_EACH_SIMD_TARGET(EstimateNormalsTest);
 
 }  // namespace
 }  // namespace structnerf
