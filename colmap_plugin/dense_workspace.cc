@@ -24,11 +24,15 @@ constexpr const char* kFusionConfig = "fusion.cfg";
 // In the report folder.
 constexpr const char* kConfidenceFolder = "confidence";
 
-// In the report folder. Depth, three of the normal, distinctness.
+// In the report folder.
 constexpr const char* kInterimFolder = "interim";
 constexpr const char* kInterimSuffixes[] = {
     ".rendered.bin", ".matched.bin", ".completed.bin"};
-constexpr size_t kInterimChannels = 5;
+
+// Depth, three of the normal, and distinctness while it is of use.
+size_t NumInterimChannels(const InterimStage stage) {
+  return stage == InterimStage::kMatched ? 5 : 4;
+}
 
 }  // namespace
 
@@ -163,19 +167,19 @@ void DenseWorkspace::WriteInterimMaps(const std::string& image_name,
   channels.insert(channels.end(), maps.normal.begin(), maps.normal.end());
   channels.insert(
       channels.end(), maps.distinctness.begin(), maps.distinctness.end());
-  const size_t num_pixels = maps.depth.size();
-  channels.resize(kInterimChannels * num_pixels, 0.0f);  // without matching
+  // Without matching there is no distinctness.
+  channels.resize(NumInterimChannels(stage) * maps.depth.size(), 0.0f);
   WriteArrayFile(
       InterimMapsPath(image_name, stage), maps.width, maps.height, channels);
 }
 
 DenseMaps DenseWorkspace::ReadInterimMaps(const std::string& image_name,
                                           const InterimStage stage) const {
-  const FloatArray array =
-      ReadArrayFile(InterimMapsPath(image_name, stage), kInterimChannels);
+  const FloatArray array = ReadArrayFile(InterimMapsPath(image_name, stage),
+                                         NumInterimChannels(stage));
   const std::vector<float>& channels = array.values;
-  const auto num_pixels = static_cast<ptrdiff_t>(channels.size()) /
-                          static_cast<ptrdiff_t>(kInterimChannels);
+  const ptrdiff_t num_pixels =
+      static_cast<ptrdiff_t>(array.width) * array.height;
   const auto normal = channels.begin() + num_pixels;
   const auto distinctness = normal + 3 * num_pixels;
   DenseMaps maps;

@@ -65,7 +65,7 @@ class DenseWorkspace {
   StereoMaps ReadMaps(const std::string& image_name, MapType type) const;
 
   // Maps of a view on their way, each in one file of the report folder for the
-  // time of a run: depth, normal and distinctness.
+  // time of a run: depth, normal and, of matched ones, distinctness.
   std::string InterimMapsPath(const std::string& image_name,
                               InterimStage stage) const;
   void WriteInterimMaps(const std::string& image_name,

@@ -65,7 +65,6 @@ size_t MapMaker::CompletePlanes(Reconstructor* reconstructor,
     const std::string& name = options_.image_names[i];
     DenseMaps maps = workspace_->ReadInterimMaps(name, InterimStage::kMatched);
     num_completed_pixels += reconstructor->CompletePlanes(i, &maps);
-    maps.distinctness.clear();
     if (!options_.mask_path.empty()) {
       const auto mask =
           ReadMask(options_.mask_path, name, maps.width, maps.height);
@@ -120,7 +119,9 @@ void MapMaker::CheckConsistency(
                                 EstimateConfidence(scene_->views[i].camera,
                                                    maps,
                                                    consistency.angles,
-                                                   options_.matches_views));
+                                                   options_.matches_views,
+                                                   &pool,
+                                                   stage->Inner()));
     const StereoMaps photometric{
         maps.width, maps.height, std::move(maps.depth), std::move(maps.normal)};
     workspace_->WriteMaps(name, MapType::kPhotometric, photometric);

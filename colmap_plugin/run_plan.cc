@@ -39,10 +39,10 @@ constexpr size_t kCheckBytesPerPixel =
     3 * kStereoBytesPerPixel + 2 * sizeof(float) + 1 + 2 * 3 * sizeof(int);
 constexpr size_t kCheckBytesPerPixelAndSource = 2 * sizeof(int);
 
-// Both kinds of maps, three interim ones with distinctness, confidence, and
-// consistency graphs that are about half full.
+// Both kinds of maps, three interim ones, one of them with distinctness,
+// confidence, and consistency graphs that are about half full.
 constexpr size_t kDiskBytesPerPixel =
-    5 * kStereoBytesPerPixel + (3 + 1) * sizeof(float) + 16;
+    5 * kStereoBytesPerPixel + (1 + 1) * sizeof(float) + 16;
 
 // Copies of the sparse model, stacks of threads, what the allocator keeps.
 constexpr size_t kOverheadBytes = size_t{64} << 20;

@@ -1,6 +1,7 @@
 #include "nerf/extract/confidence.h"
 
 #include "nerf/extract/map_resolution.h"
+#include "nerf/watched_loop.h"
 
 #include <algorithm>
 #include <cmath>
@@ -59,11 +60,13 @@ double LargestSlope(const PinholeCamera& camera,
 std::vector<float> EstimateConfidence(const PinholeCamera& camera,
                                       const DenseMaps& maps,
                                       const std::vector<float>& angles,
-                                      const bool is_matched) {
+                                      const bool is_matched,
+                                      ThreadPool* pool,
+                                      Progress* progress) {
   const double intercept = is_matched ? kInterceptOfMatches : kIntercept;
   const int offset = WholePixelsPerReferencePixel(camera);
   std::vector<float> confidence(maps.depth.size(), 0.0f);
-  for (int row = 0; row < maps.height; ++row) {
+  const auto estimate_row = [&](const int row) {
     for (int col = 0; col < maps.width; ++col) {
       const size_t pixel = static_cast<size_t>(row) * maps.width + col;
       if (maps.depth[pixel] <= 0) {
@@ -77,7 +80,12 @@ std::vector<float> EstimateConfidence(const PinholeCamera& camera,
                            kByLogSlope * std::log(slope);
       confidence[pixel] = static_cast<float>(1 / (1 + std::exp(-logit)));
     }
-  }
+  };
+  WatchedParallelFor(
+      static_cast<size_t>(maps.height),
+      pool,
+      progress,
+      [&](const size_t row, int) { estimate_row(static_cast<int>(row)); });
   return confidence;
 }
 

@@ -1,7 +1,9 @@
 #pragma once
 
 #include "nerf/dense_maps.h"
+#include "nerf/progress.h"
 #include "nerf/scene.h"
+#include "nerf/util/thread_pool.h"
 
 #include <vector>
 
@@ -21,10 +23,12 @@ constexpr double kConfidentError = 0.05;
 // on whether depth was matched (`is_matched`), because matches err
 // independently, so that a view that confirms one says more. structnerf_eval
 // says how well it predicts on any scene with ground truth. Poses that are
-// wrong as a whole are beyond it.
+// wrong as a whole are beyond it. Throws Aborted if told to.
 std::vector<float> EstimateConfidence(const PinholeCamera& camera,
                                       const DenseMaps& maps,
                                       const std::vector<float>& angles,
-                                      bool is_matched = false);
+                                      bool is_matched,
+                                      ThreadPool* pool,
+                                      Progress* progress);
 
 }  // namespace structnerf

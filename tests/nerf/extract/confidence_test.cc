@@ -26,25 +26,32 @@ std::vector<float> ConstantAngle(const float angle) {
   return std::vector<float>(kWidth * kHeight, angle);
 }
 
+std::vector<float> Estimate(const PinholeCamera& camera,
+                            const DenseMaps& maps,
+                            const std::vector<float>& angles,
+                            const bool is_matched = false) {
+  ThreadPool pool(2);
+  Progress progress;
+  return EstimateConfidence(camera, maps, angles, is_matched, &pool, &progress);
+}
+
 // A flat pixel that a view confirms under ten degrees, and one at a slope of 3
 // that one confirms under three, as the fit to two rooms has them.
 TEST(EstimateConfidence, IsWhatWasFitted) {
   const PinholeCamera camera = MakeCamera(kWidth, kHeight, 50);
   DenseMaps maps = ConstantDepth(2);
   const size_t pixel = 15 * kWidth + 20;
+  EXPECT_NEAR(Estimate(camera, maps, ConstantAngle(10))[pixel], 0.863, 0.001);
   EXPECT_NEAR(
-      EstimateConfidence(camera, maps, ConstantAngle(10))[pixel], 0.863, 0.001);
-  EXPECT_NEAR(EstimateConfidence(
-                  camera, maps, ConstantAngle(10), /*is_matched=*/true)[pixel],
-              0.920,
-              0.001);
+      Estimate(camera, maps, ConstantAngle(10), /*is_matched=*/true)[pixel],
+      0.920,
+      0.001);
   for (int row = 0; row < kHeight; ++row) {
     for (int col = 0; col < kWidth; ++col) {
       maps.depth[row * kWidth + col] += 0.12f * (col - 20);
     }
   }
-  EXPECT_NEAR(
-      EstimateConfidence(camera, maps, ConstantAngle(3))[pixel], 0.464, 0.001);
+  EXPECT_NEAR(Estimate(camera, maps, ConstantAngle(3))[pixel], 0.464, 0.001);
 }
 
 TEST(EstimateConfidence, GrowsWithTheAngle) {
@@ -53,14 +60,14 @@ TEST(EstimateConfidence, GrowsWithTheAngle) {
   float last = 0;
   for (const float angle : {1.0f, 3.0f, 10.0f, 30.0f}) {
     const float confidence =
-        EstimateConfidence(camera, maps, ConstantAngle(angle))[15 * kWidth];
+        Estimate(camera, maps, ConstantAngle(angle))[15 * kWidth];
     EXPECT_GT(confidence, last + 0.02f);
     EXPECT_LT(confidence, 1);
     last = confidence;
   }
   // No view confirms it.
-  EXPECT_EQ(EstimateConfidence(camera, maps, ConstantAngle(0))[0],
-            EstimateConfidence(camera, maps, ConstantAngle(1))[0]);
+  EXPECT_EQ(Estimate(camera, maps, ConstantAngle(0))[0],
+            Estimate(camera, maps, ConstantAngle(1))[0]);
 }
 
 TEST(EstimateConfidence, EdgesAreUncertain) {
@@ -71,7 +78,7 @@ TEST(EstimateConfidence, EdgesAreUncertain) {
       maps.depth[row * kWidth + col] = 3;
     }
   }
-  const auto confidence = EstimateConfidence(camera, maps, ConstantAngle(10));
+  const auto confidence = Estimate(camera, maps, ConstantAngle(10));
   EXPECT_LT(confidence[15 * kWidth + 19] + 0.2f, confidence[15 * kWidth + 18]);
   EXPECT_LT(confidence[15 * kWidth + 20] + 0.2f, confidence[15 * kWidth + 21]);
 }
@@ -90,15 +97,15 @@ TEST(EstimateConfidence, DoesNotDependOnScaleOrResolution) {
     }
   }
   const size_t middle = 15 * kWidth + 20;
-  const float confidence = EstimateConfidence(
-      MakeCamera(kWidth, kHeight, 50), maps, ConstantAngle(5))[middle];
+  const float confidence =
+      Estimate(MakeCamera(kWidth, kHeight, 50), maps, ConstantAngle(5))[middle];
   EXPECT_NEAR(
-      EstimateConfidence(
+      Estimate(
           MakeCamera(kWidth, kHeight, 50), scaled, ConstantAngle(5))[middle],
       confidence,
       1e-5);
   EXPECT_NEAR(
-      EstimateConfidence(
+      Estimate(
           MakeCamera(kWidth, kHeight, 100), finer, ConstantAngle(5))[middle],
       confidence,
       1e-5);
@@ -111,10 +118,9 @@ TEST(EstimateConfidence, EdgesAreAsWideInAnyResolution) {
   maps.height = 1;
   maps.depth.assign(maps.width, 2.0f);
   std::fill(maps.depth.begin() + 100, maps.depth.end(), 3.0f);
-  const auto confidence =
-      EstimateConfidence(MakeCamera(maps.width, maps.height, 500),
-                         maps,
-                         std::vector<float>(maps.width, 10.0f));
+  const auto confidence = Estimate(MakeCamera(maps.width, maps.height, 500),
+                                   maps,
+                                   std::vector<float>(maps.width, 10.0f));
   for (int col = 90; col < 110; ++col) {
     const bool is_at_edge = col >= 98 && col < 102;
     EXPECT_EQ(confidence[col] < confidence[50] - 0.2f, is_at_edge) << col;
@@ -124,8 +130,8 @@ TEST(EstimateConfidence, EdgesAreAsWideInAnyResolution) {
 TEST(EstimateConfidence, NoDepthHasNone) {
   DenseMaps maps = ConstantDepth(2);
   maps.depth[7] = 0;
-  const auto confidence = EstimateConfidence(
-      MakeCamera(kWidth, kHeight, 50), maps, ConstantAngle(10));
+  const auto confidence =
+      Estimate(MakeCamera(kWidth, kHeight, 50), maps, ConstantAngle(10));
   EXPECT_EQ(confidence[7], 0);
   EXPECT_GT(confidence[6], 0);
 }
@@ -139,13 +145,12 @@ TEST(EstimateConfidence, HolesAndBordersAreNoEdges) {
     }
   }
   const PinholeCamera camera = MakeCamera(kWidth, kHeight, 50);
-  const auto expected = EstimateConfidence(camera, maps, ConstantAngle(10));
+  const auto expected = Estimate(camera, maps, ConstantAngle(10));
   const size_t pixel = 15 * kWidth + 20;
   for (const int neighbor : {-1, 1, -kWidth, kWidth}) {
     DenseMaps holed = maps;
     holed.depth[pixel + neighbor] = 0;
-    const auto confidence =
-        EstimateConfidence(camera, holed, ConstantAngle(10));
+    const auto confidence = Estimate(camera, holed, ConstantAngle(10));
     EXPECT_NEAR(confidence[pixel], expected[pixel], 1e-5) << neighbor;
   }
   // Depth differs from column to column by the same, relative to it by less.
@@ -157,12 +162,26 @@ TEST(EstimateConfidence, PixelsOnTheirOwnAreUncertain) {
   DenseMaps maps = ConstantDepth(2);
   const size_t pixel = 15 * kWidth + 20;
   const PinholeCamera camera = MakeCamera(kWidth, kHeight, 50);
-  const float among_others =
-      EstimateConfidence(camera, maps, ConstantAngle(10))[pixel];
+  const float among_others = Estimate(camera, maps, ConstantAngle(10))[pixel];
   maps.depth.assign(maps.depth.size(), 0.0f);
   maps.depth[pixel] = 2;
-  EXPECT_LT(EstimateConfidence(camera, maps, ConstantAngle(10))[pixel],
+  EXPECT_LT(Estimate(camera, maps, ConstantAngle(10))[pixel],
             among_others - 0.2f);
+}
+
+TEST(EstimateConfidence, EndsWhenToldTo) {
+  class AbortingProgress : public Progress {
+    bool ShouldAbort() override { return true; }
+  };
+  ThreadPool pool(1);
+  AbortingProgress progress;
+  EXPECT_THROW(EstimateConfidence(MakeCamera(kWidth, kHeight, 50),
+                                  ConstantDepth(2),
+                                  ConstantAngle(5),
+                                  /*is_matched=*/true,
+                                  &pool,
+                                  &progress),
+               Aborted);
 }
 
 }  // namespace
