@@ -34,11 +34,10 @@ constexpr int kItsOwn = -1;
 std::vector<Candidate> MakeCandidates(
     const std::vector<PinholeCamera>& cameras) {
   std::vector<Candidate> candidates = {{"high", kItsOwn},
-                                       {"high", 2},
                                        {"medium", kItsOwn},
                                        {"medium", 1},
-                                       {"low", 1},
-                                       {"low", kItsOwn}};
+                                       {"low", kItsOwn},
+                                       {"low", 0}};
   const int high_size = QualityPreset("high").training.max_image_size;
   const auto is_large = [&](const PinholeCamera& camera) {
     return std::max(camera.width, camera.height) > high_size;

@@ -34,14 +34,15 @@ TimeEstimate EstimateTime(const StructNerfOptions& options,
                           const std::vector<PinholeCamera>& cameras);
 
 // A quality word, and the sweeps of matching to run it with
-// (StereoOptions::num_iterations): its own, fewer, or one more than `low` has.
+// (StereoOptions::num_iterations): its own, or fewer.
 struct QualityChoice {
   std::string quality;
   int num_sweeps = 0;
 };
 
 // The best whose run fits into `options.max_minutes` with at least
-// kMinTrainingShare of its training and kMinTrainingSteps; "low" if none does.
+// kMinTrainingShare of its training and kMinTrainingSteps; "low" without
+// matching if none does.
 // `slowness`: MeasureSlowness().
 QualityChoice QualityForTime(const StructNerfOptions& options,
                              const std::vector<PinholeCamera>& cameras,

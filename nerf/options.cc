@@ -234,7 +234,7 @@ ReconstructionOptions QualityPreset(const std::string& quality) {
   options.field.max_resolution = kFromScene;
   if (quality == "low") {
     options.training.num_steps = 600;
-    options.stereo.num_iterations = 0;
+    MatchViews(1, &options);
   } else if (quality == "medium") {
     // Matching needs a field that is right in the coarse. A short training
     // without rest at its end gives that (nerf/EXPERIMENTS.md).
@@ -257,7 +257,7 @@ ReconstructionOptions QualityPreset(const std::string& quality) {
     options.loss.match_weight = kMatchWeight;
     options.loss.patch_dilation = 6;
     options.sampling.num_samples = 32;
-    MatchViews(4, &options);
+    MatchViews(2, &options);
   } else if (quality == "paper") {
     options.field.type = "mlp";
     options.sampling.num_samples = 64;

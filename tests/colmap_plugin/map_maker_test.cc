@@ -44,6 +44,7 @@ class MapMakerTest : public testing::Test {
     method.training.num_steps = 50;
     method.training.rays_per_step = 64;
     method.extraction.max_relative_std = 100;
+    method.stereo.num_iterations = 0;
     reconstructor_ = std::make_unique<Reconstructor>(scene, method);
     reconstructor_->Train(&silent_);
     method.stereo.num_iterations = 2;

@@ -19,8 +19,8 @@ struct RealScene {
   const char* name;
 
   // Share of all pixels with ground truth whose depth, in SfM scale, must be
-  // within 5 cm: more than quality low has, which neither matches nor completes
-  // planes.
+  // within 5 cm: more than a short training has that neither matches nor
+  // completes planes.
   double min_share_within_5cm;
 };
 

@@ -22,7 +22,7 @@ TEST(ChangePreset, KeepsWhatWasChanged) {
   options = ChangePreset(options, high, low);
   EXPECT_EQ(options.training.num_steps, 7);
   EXPECT_EQ(options.training.max_image_size, low.training.max_image_size);
-  EXPECT_EQ(options.stereo.num_iterations, 0);
+  EXPECT_EQ(options.stereo.num_iterations, low.stereo.num_iterations);
 }
 
 }  // namespace
