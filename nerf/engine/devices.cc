@@ -64,6 +64,8 @@ EngineFactory EnginesOfDevice(const std::string& device,
       return MakeCudaEngine(options, warn);
     };
   }
+#else
+  static_cast<void>(warn);
 #endif
   if (device != "cpu") {
     throw std::invalid_argument("there is no device " + device);

@@ -85,7 +85,8 @@ TEST(GuiArguments, WinOverTheProject) {
   GuiArguments arguments;
   ASSERT_TRUE(Parse(&args, &arguments));
   EXPECT_EQ(arguments.options.quality, "low");
-  EXPECT_EQ(arguments.options.reconstruction.stereo.num_iterations, 0);
+  EXPECT_EQ(arguments.options.reconstruction.training.max_image_size,
+            QualityPreset("low").training.max_image_size);
   EXPECT_EQ(arguments.options.reconstruction.training.num_steps, 34);
   EXPECT_EQ(arguments.options.reconstruction.training.seed, 3);
 }
