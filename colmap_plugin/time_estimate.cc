@@ -14,10 +14,10 @@ namespace {
 // CPU seconds per unit of work that all threads share ...
 constexpr double kPerSample = 0.55e-6;         // of a training ray
 constexpr double kPerTrainingPixel = 0.8e-6;   // loading, superpixels
-constexpr double kPerRenderedPixel = 0.95e-6;  // of the maps
+constexpr double kPerRenderedPixel = 0.55e-6;  // of the maps
 constexpr double kPerMatchedPixel = 2.4e-6;    // one sweep of matching
 constexpr double kPerCompletedPixel = 0.75e-6;
-constexpr double kPerFusedPixel = 1.0e-6;  // and written
+constexpr double kPerFusedPixel = 0.8e-6;  // and written
 constexpr double kDensityCache = 2.0;
 
 // ... and that one thread does.
