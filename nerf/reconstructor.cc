@@ -7,6 +7,7 @@
 #include "nerf/field/field_file.h"
 #include "nerf/field/mlp_layout.h"
 #include "nerf/planes/plane_completion.h"
+#include "nerf/planes/plane_votes.h"
 #include "nerf/scene_guards.h"
 #include "nerf/train/checkpoint.h"
 #include "nerf/train/prior_agreement.h"
@@ -209,8 +210,9 @@ class Reconstructor::Impl {
 size_t Reconstructor::EstimateMemory(const ReconstructionOptions& options,
                                      const size_t num_views,
                                      const PinholeCamera& camera) {
-  const size_t training_pixels =
-      camera.Reduced(options.training.max_image_size).NumPixels();
+  const PinholeCamera training_camera =
+      camera.Reduced(options.training.max_image_size);
+  const size_t training_pixels = training_camera.NumPixels();
   const size_t refinement =
       options.MatchesViews()
           ? camera.NumPixels() * kBytesPerMapPixel +
@@ -227,7 +229,13 @@ size_t Reconstructor::EstimateMemory(const ReconstructionOptions& options,
   const size_t engine = options.field.type == "mlp"
                             ? EstimateMlpMemory(options)
                             : EstimateGridMemory(options);
-  return engine + refinement +
+  const size_t planes =
+      options.CompletesPlanes()
+          ? num_views * sizeof(ChosenPlane) *
+                PlaneLattice(training_camera.width, training_camera.height)
+                    .NumCells()
+          : 0;
+  return engine + refinement + planes +
          num_views * training_pixels * bytes_per_training_pixel +
          camera.NumPixels() * kBytesPerMapPixel;
 }

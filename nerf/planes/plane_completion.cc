@@ -223,11 +223,10 @@ std::vector<ChosenPlane> PlaneCompletion::ChoosePlanes(
     const std::vector<std::vector<std::vector<PlaneHypothesis>>>& hypotheses)
     const {
   PlaneVotes votes(plane_views_[view_idx], hypotheses[view_idx]);
-  for (size_t other = 0; other < plane_views_.size(); ++other) {
-    if (static_cast<int>(other) != view_idx && !hypotheses[other].empty()) {
-      votes.Count(MakeWarp(view_idx, static_cast<int>(other)),
-                  plane_views_[other],
-                  hypotheses[other]);
+  for (const int other : SelectVoters(view_idx, sources_)) {
+    if (!hypotheses[other].empty()) {
+      votes.Count(
+          MakeWarp(view_idx, other), plane_views_[other], hypotheses[other]);
     }
   }
   return votes.Choose();
@@ -242,7 +241,7 @@ size_t PlaneCompletion::Complete(const int view_idx,
   const PinholeCamera& camera = scene_.views[view_idx].camera;
   const PlaneView& view = plane_views_[view_idx];
   const std::vector<ChosenPlane>& chosen = chosen_[view_idx];
-  const PlaneLattice lattice(view);
+  const PlaneLattice lattice(view.width, view.height);
   const size_t num_pixels = maps->depth.size();
   std::vector<size_t> num_completed(maps->height, 0);
   pool->ParallelFor(maps->height, [&](const size_t map_row, int) {

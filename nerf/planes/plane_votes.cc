@@ -36,12 +36,12 @@ bool HasPlaneAt(const std::vector<PlaneHypothesis>& planes,
 
 }  // namespace
 
-PlaneLattice::PlaneLattice(const PlaneView& view)
-    : width_(view.width),
-      height_(view.height),
-      step_(std::max(1, view.width / kCellsPerWidth)),
-      num_cols_((view.width + step_ - 1) / step_),
-      num_rows_((view.height + step_ - 1) / step_) {}
+PlaneLattice::PlaneLattice(const int width, const int height)
+    : width_(width),
+      height_(height),
+      step_(std::max(1, width / kCellsPerWidth)),
+      num_cols_((width + step_ - 1) / step_),
+      num_rows_((height + step_ - 1) / step_) {}
 
 int PlaneLattice::CenterCol(const int cell_col) const {
   return std::min(cell_col * step_ + step_ / 2, width_ - 1);
@@ -51,14 +51,41 @@ int PlaneLattice::CenterRow(const int cell_row) const {
   return std::min(cell_row * step_ + step_ / 2, height_ - 1);
 }
 
+std::vector<int> SelectVoters(const int view_idx,
+                              const std::vector<std::vector<int>>& sources) {
+  std::vector<int> voters;
+  if (sources.size() <= kMaxVoters + 1) {
+    for (int other = 0; other < static_cast<int>(sources.size()); ++other) {
+      if (other != view_idx) {
+        voters.push_back(other);
+      }
+    }
+    return voters;
+  }
+  std::vector<uint8_t> is_known(sources.size(), 0);
+  is_known[view_idx] = 1;
+  const auto add_sources = [&](const int of_view_idx) {
+    for (const int source : sources[of_view_idx]) {
+      if (voters.size() < kMaxVoters && !is_known[source]) {
+        is_known[source] = 1;
+        voters.push_back(source);
+      }
+    }
+  };
+  add_sources(view_idx);
+  for (size_t i = 0; i < voters.size(); ++i) {
+    add_sources(voters[i]);
+  }
+  return voters;
+}
+
 PlaneVotes::PlaneVotes(const PlaneView& view,
                        const std::vector<std::vector<PlaneHypothesis>>& planes)
-    : view_(view), planes_(planes), lattice_(view) {
+    : view_(view), planes_(planes), lattice_(view.width, view.height) {
   for (const auto& segment_planes : planes) {
     max_planes_ = std::max(max_planes_, segment_planes.size());
   }
-  votes_.resize(static_cast<size_t>(lattice_.NumCols()) * lattice_.NumRows() *
-                max_planes_);
+  votes_.resize(lattice_.NumCells() * max_planes_);
 }
 
 int32_t PlaneVotes::SegmentOfCell(const int cell_col,
@@ -137,8 +164,7 @@ std::vector<PlaneVotes::Votes> PlaneVotes::SumAround(const int cell_col,
 }
 
 std::vector<ChosenPlane> PlaneVotes::Choose() const {
-  std::vector<ChosenPlane> chosen(static_cast<size_t>(lattice_.NumCols()) *
-                                  lattice_.NumRows());
+  std::vector<ChosenPlane> chosen(lattice_.NumCells());
   for (int row = 0; row < lattice_.NumRows(); ++row) {
     for (int col = 0; col < lattice_.NumCols(); ++col) {
       const int32_t segment = SegmentOfCell(col, row);

@@ -12,10 +12,12 @@ namespace structnerf {
 // Square cells over a view, in which planes are chosen.
 class PlaneLattice {
  public:
-  explicit PlaneLattice(const PlaneView& view);
+  // Of a view so large, in pixels.
+  PlaneLattice(int width, int height);
 
   int NumCols() const { return num_cols_; }
   int NumRows() const { return num_rows_; }
+  size_t NumCells() const { return static_cast<size_t>(num_rows_) * num_cols_; }
 
   // Of a cell, row-major.
   size_t Index(const int cell_col, const int cell_row) const {
@@ -44,6 +46,13 @@ struct ChosenPlane {
   int32_t segment = -1;  // -1 = none
   PlaneHypothesis plane;
 };
+
+// The views that vote on the planes of a view: all others of a small scene;
+// else kMaxVoters that are found by going from a view to its sources, to
+// theirs, and so on. `sources`: source views of each view.
+constexpr size_t kMaxVoters = 64;
+std::vector<int> SelectVoters(int view_idx,
+                              const std::vector<std::vector<int>>& sources);
 
 // Lets other views vote on which of the planes of a view's segments are right.
 // For each cell, a view agrees with a plane if it has the same depth where the
