@@ -66,7 +66,8 @@ std::vector<float> EstimateConfidence(const PinholeCamera& camera,
   const double intercept = is_matched ? kInterceptOfMatches : kIntercept;
   const int offset = WholePixelsPerReferencePixel(camera);
   std::vector<float> confidence(maps.depth.size(), 0.0f);
-  const auto estimate_row = [&](const int row) {
+  const auto estimate_row = [&](const size_t item, int) {
+    const int row = static_cast<int>(item);
     for (int col = 0; col < maps.width; ++col) {
       const size_t pixel = static_cast<size_t>(row) * maps.width + col;
       if (maps.depth[pixel] <= 0) {
@@ -82,10 +83,7 @@ std::vector<float> EstimateConfidence(const PinholeCamera& camera,
     }
   };
   WatchedParallelFor(
-      static_cast<size_t>(maps.height),
-      pool,
-      progress,
-      [&](const size_t row, int) { estimate_row(static_cast<int>(row)); });
+      static_cast<size_t>(maps.height), pool, progress, estimate_row);
   return confidence;
 }
 

@@ -117,7 +117,8 @@ ViewConsistency CheckConsistency(const Scene& scene,
   consistency.is_confirmed.assign(reference.depth.size(), 0);
   consistency.angles.assign(reference.depth.size(), 0.0f);
   std::vector<std::vector<int>> graph_rows(reference.height);
-  const auto check_row = [&](const int row) {
+  const auto check_row = [&](const size_t item, int) {
+    const int row = static_cast<int>(item);
     std::vector<int>& graph = graph_rows[row];
     std::vector<int> confirming;
     for (int col = 0; col < reference.width; ++col) {
@@ -166,10 +167,7 @@ ViewConsistency CheckConsistency(const Scene& scene,
       }
     }
   };
-  WatchedParallelFor(
-      graph_rows.size(), pool, progress, [&](const size_t row, int) {
-        check_row(static_cast<int>(row));
-      });
+  WatchedParallelFor(graph_rows.size(), pool, progress, check_row);
   size_t graph_size = 0;
   for (const std::vector<int>& row : graph_rows) {
     graph_size += row.size();

@@ -3,6 +3,7 @@
 #include "colmap_plugin/colmap_compat.h"
 #include "colmap_plugin/input_check.h"
 #include "tests/colmap_plugin/tiny_model.h"
+#include "tests/nerf/aborting_progress.h"
 #include "tests/support/file_size_limit.h"
 #include "tests/support/temp_dir.h"
 
@@ -194,9 +195,6 @@ TEST_F(CloudFusionTest, FullDiskLeavesNoHalfCloud) {
 }
 
 TEST_F(CloudFusionTest, AbortWritesNothing) {
-  class AbortingProgress : public Progress {
-    bool ShouldAbort() override { return true; }
-  };
   AbortingProgress progress;
   EXPECT_THROW(
       FuseMaps(workspace_, MapType::kGeometric, options_, kNumViews, &progress),

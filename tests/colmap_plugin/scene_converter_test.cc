@@ -2,6 +2,7 @@
 
 #include "colmap_plugin/input_check.h"
 #include "tests/colmap_plugin/tiny_model.h"
+#include "tests/nerf/aborting_progress.h"
 #include "tests/support/temp_dir.h"
 
 #include <filesystem>
@@ -237,9 +238,6 @@ TEST_F(SceneConverterTest, SegmentsLargeAreasOfTheReducedImage) {
 }
 
 TEST_F(SceneConverterTest, AbortsWhenTold) {
-  class AbortingProgress : public Progress {
-    bool ShouldAbort() override { return true; }
-  };
   const TinyModel model = MakeTinyModel(2);
   model.WriteModel(temp_dir_ / "sparse");
   model.WriteImages(temp_dir_ / "images");

@@ -54,16 +54,23 @@ TEST(TimeEstimate, IsOfTheRightSize) {
   EXPECT_LT(high, 73 * 1.3);
 }
 
-TEST(QualityForTime, TakesTheBestThatFits) {
+void ExpectChoice(const double minutes,
+                  const std::string& quality,
+                  const int num_sweeps) {
+  SCOPED_TRACE(minutes);
   StructNerfOptions options = MakeOptions("medium");
+  options.max_minutes = minutes;
+  const QualityChoice choice = QualityForTime(options, kCameras, 1);
+  EXPECT_EQ(choice.quality, quality);
+  EXPECT_EQ(choice.num_sweeps, num_sweeps);
+}
+
+TEST(QualityForTime, TakesTheBestThatFits) {
   for (const auto& [minutes, quality] : {std::pair(0.35, "low"),
                                          std::pair(0.8, "medium"),
                                          std::pair(1000.0, "high")}) {
-    SCOPED_TRACE(minutes);
-    options.max_minutes = minutes;
-    const QualityChoice choice = QualityForTime(options, kCameras, 1);
-    EXPECT_EQ(choice.quality, quality);
-    EXPECT_EQ(choice.num_sweeps, QualityPreset(quality).stereo.num_iterations);
+    ExpectChoice(
+        minutes, quality, QualityPreset(quality).stereo.num_iterations);
   }
 }
 
@@ -76,22 +83,16 @@ TEST(QualityForTime, SpendsMoreOnLargePhotographs) {
 }
 
 TEST(QualityForTime, SavesSweepsBeforeItTakesALowerQuality) {
+  ExpectChoice(0.5, "medium", 1);
+  // But nothing of the kind where there is no matching.
   StructNerfOptions options = MakeOptions("medium");
   options.max_minutes = 0.5;
-  const QualityChoice choice = QualityForTime(options, kCameras, 1);
-  EXPECT_EQ(choice.quality, "medium");
-  EXPECT_EQ(choice.num_sweeps, 1);
-  // But nothing of the kind where there is no matching.
   options.method = "nerf";
   EXPECT_EQ(QualityForTime(options, kCameras, 1).num_sweeps, 0);
 }
 
 TEST(QualityForTime, DoesNotMatchIfThereIsNoTime) {
-  StructNerfOptions options = MakeOptions("medium");
-  options.max_minutes = 0.01;
-  const QualityChoice choice = QualityForTime(options, kCameras, 1);
-  EXPECT_EQ(choice.quality, "low");
-  EXPECT_EQ(choice.num_sweeps, 0);
+  ExpectChoice(0.01, "low", 0);
 }
 
 TEST(QualityForTime, NeedsMoreTimeOnASlowMachine) {

@@ -1,6 +1,7 @@
 #include "nerf/extract/confidence.h"
 
 #include "nerf/extract/map_resolution.h"
+#include "tests/nerf/aborting_progress.h"
 #include "tests/nerf/plane_scene.h"
 
 #include <algorithm>
@@ -170,9 +171,6 @@ TEST(EstimateConfidence, PixelsOnTheirOwnAreUncertain) {
 }
 
 TEST(EstimateConfidence, EndsWhenToldTo) {
-  class AbortingProgress : public Progress {
-    bool ShouldAbort() override { return true; }
-  };
   ThreadPool pool(1);
   AbortingProgress progress;
   EXPECT_THROW(EstimateConfidence(MakeCamera(kWidth, kHeight, 50),

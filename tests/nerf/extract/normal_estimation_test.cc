@@ -1,6 +1,7 @@
 #include "nerf/extract/normal_estimation.h"
 
 #include "nerf/extract/map_resolution.h"
+#include "tests/nerf/aborting_progress.h"
 #include "tests/nerf/plane_scene.h"
 #include "tests/nerf/simd_targets.h"
 
@@ -232,9 +233,6 @@ TEST_P(EstimateNormalsTest, AreTheSameOnAnyNumberOfThreads) {
 }
 
 TEST_P(EstimateNormalsTest, EndsWhenToldTo) {
-  class AbortingProgress : public Progress {
-    bool ShouldAbort() override { return true; }
-  };
   DenseMaps maps = MakeMaps([](int, int) { return 2.0; });
   ThreadPool pool(2);
   AbortingProgress progress;
