@@ -13,14 +13,13 @@ size_t NumBytes(const DenseMaps& maps) {
 
 }  // namespace
 
-DepthMapCache::DepthMapCache(const DenseWorkspace* workspace,
-                             std::vector<std::string> image_names,
+DepthMapCache::DepthMapCache(std::function<DenseMaps(size_t view_idx)> read,
+                             const size_t num_views,
                              const size_t max_bytes)
-    : workspace_(workspace),
-      image_names_(std::move(image_names)),
+    : read_(std::move(read)),
       max_bytes_(max_bytes),
-      maps_(image_names_.size()),
-      last_used_(image_names_.size(), 0) {}
+      maps_(num_views),
+      last_used_(num_views, 0) {}
 
 void DepthMapCache::Insert(const size_t view_idx, DenseMaps maps) {
   ++request_;
@@ -36,9 +35,7 @@ const std::vector<DenseMaps>& DepthMapCache::Require(
   }
   for (const int view_idx : view_idxs) {
     if (maps_[view_idx].depth.empty()) {
-      Add(view_idx,
-          workspace_->ReadInterimMaps(image_names_[view_idx],
-                                      InterimStage::kCompleted));
+      Add(view_idx, read_(view_idx));
       EvictUnused();
     }
   }

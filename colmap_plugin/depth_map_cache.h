@@ -1,26 +1,24 @@
 #pragma once
 
-#include "colmap_plugin/dense_workspace.h"
 #include "nerf/dense_maps.h"
 
 #include <cstddef>
-#include <string>
+#include <functional>
 #include <vector>
 
 namespace structnerf {
 
-// The maps of all views, blank surfaces on planes (InterimStage::kCompleted),
-// while their consistency is checked. Those that do not fit into the memory
-// limit are read back from the workspace.
+// Depth and normals of all views, while views are compared. Those that do not
+// fit into the memory limit are read, again if need be.
 class DepthMapCache {
  public:
-  // `workspace` must outlive this object. `max_bytes` is exceeded when the maps
-  // of one request alone need more.
-  DepthMapCache(const DenseWorkspace* workspace,
-                std::vector<std::string> image_names,
+  // `read` returns the maps of a view. `max_bytes` is exceeded when the maps of
+  // one request alone need more.
+  DepthMapCache(std::function<DenseMaps(size_t view_idx)> read,
+                size_t num_views,
                 size_t max_bytes);
 
-  // Takes maps that have been written to the workspace already.
+  // Takes maps that can be read already.
   void Insert(size_t view_idx, DenseMaps maps);
 
   // Maps of all views, of which those of `view_idxs` are present and others may
@@ -31,8 +29,7 @@ class DepthMapCache {
   void Add(size_t view_idx, DenseMaps maps);
   void EvictUnused();
 
-  const DenseWorkspace* workspace_;
-  const std::vector<std::string> image_names_;
+  const std::function<DenseMaps(size_t view_idx)> read_;
   const size_t max_bytes_;
   std::vector<DenseMaps> maps_;
   std::vector<size_t> last_used_;  // request in which each was used last

@@ -17,7 +17,13 @@ MapMaker::MapMaker(const MapMakerOptions& options,
       scene_(scene),
       workspace_(workspace),
       journal_(journal),
-      depth_maps_(workspace, options.image_names, options.max_bytes) {}
+      depth_maps_(
+          [workspace, names = options.image_names](const size_t view_idx) {
+            return workspace->ReadInterimMaps(names[view_idx],
+                                              InterimStage::kCompleted);
+          },
+          options.image_names.size(),
+          options.max_bytes) {}
 
 void MapMaker::RenderMaps(Reconstructor* reconstructor, StageProgress* stage) {
   const size_t num_views = options_.image_names.size();

@@ -7,6 +7,7 @@
 #include "colmap_plugin/exposure_fit.h"
 #include "colmap_plugin/image_decisions.h"
 #include "colmap_plugin/input_check.h"
+#include "colmap_plugin/map_averaging.h"
 #include "colmap_plugin/map_maker.h"
 #include "colmap_plugin/masks.h"
 #include "colmap_plugin/memory_budget.h"
@@ -158,6 +159,7 @@ void StructNerfController::RunStages() {
   Train();
   MakeMaps();
   FusePoints();
+  AverageMaps();
   WriteResults();
 }
 
@@ -374,6 +376,7 @@ void StructNerfController::MakeMaps() {
       maker.CompletePlanes(reconstructor_.get(), &completion);
   const std::vector<std::vector<int>> source_views =
       reconstructor_->SourceViews();
+  averaging_views_ = reconstructor_->AveragingViews();
   reconstructor_.reset();  // its memory is the maps' from now on
 
   StageProgress check = BeginStage("Checking consistency");
@@ -419,6 +422,20 @@ void StructNerfController::FusePoints() {
     Warn(
         EmptyCloudText(map_type, has_geometric, fusion_options.min_num_pixels));
   }
+}
+
+void StructNerfController::AverageMaps() {
+  if (!options_.reconstruction.AveragesDepth()) {
+    return;
+  }
+  MapAveragingOptions averaging_options;
+  averaging_options.image_names = image_names_;
+  averaging_options.max_bytes = memory_plan_.depth_map_bytes;
+  averaging_options.extraction = extraction_;
+  averaging_options.num_threads = options_.reconstruction.training.num_threads;
+  StageProgress stage = BeginStage("Averaging depth maps");
+  structnerf::AverageMaps(
+      averaging_options, scene_, averaging_views_, *workspace_, &stage);
 }
 
 void StructNerfController::WriteResults() {

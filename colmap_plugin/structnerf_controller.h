@@ -75,6 +75,7 @@ class StructNerfController : public colmap::BaseController {
   void Train();
   void MakeMaps();
   void FusePoints();
+  void AverageMaps();
   void WriteResults();
 
   // Seconds that training may take; 0 = no limit. Renders one view to see how
@@ -106,6 +107,7 @@ class StructNerfController : public colmap::BaseController {
   // Cameras and poses only; the reconstructor has pixels and points.
   Scene scene_;
   ExtractionOptions extraction_;  // fitted to the scene
+  std::vector<std::vector<int>> averaging_views_;
   std::unique_ptr<Reconstructor> reconstructor_;
 
   StageTimer timer_;

@@ -336,7 +336,18 @@ std::vector<OptionEntry> ExtractionEntries(ExtractionOptions* extraction) {
            "Degrees between its ray and that of one of these views, where the "
            "scene offers as much",
            0,
-           180}};
+           180},
+          {"StructNeRF.averaging_num_views",
+           &extraction->averaging_num_views,
+           "Other views, at most, that matched depth is averaged over "
+           "(0 = each view keeps its own)",
+           0,
+           1000},
+          {"StructNeRF.averaging_max_depth_error",
+           &extraction->averaging_max_depth_error,
+           "Largest relative difference of depths that are averaged",
+           0,
+           1}};
 }
 
 // The error of a group of options as a sentence about "<prefix><field>".

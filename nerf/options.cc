@@ -201,6 +201,8 @@ bool ExtractionOptions::Check(std::string* error) const {
       .In("max_reprojection_error", max_reprojection_error, 0.0, 1e6)
       .In("min_num_consistent", min_num_consistent, 1, 1000)
       .In("min_triangulation_angle", min_triangulation_angle, 0.0, 180.0)
+      .In("averaging_num_views", averaging_num_views, 0, 1000)
+      .In("averaging_max_depth_error", averaging_max_depth_error, 0.0, 1.0)
       .Report(error);
 }
 
@@ -217,6 +219,10 @@ bool ReconstructionOptions::NeedsPrior() const {
 
 bool ReconstructionOptions::MatchesViews() const {
   return stereo.num_iterations > 0;
+}
+
+bool ReconstructionOptions::AveragesDepth() const {
+  return MatchesViews() && extraction.averaging_num_views > 0;
 }
 
 bool ReconstructionOptions::LearnsFromMatches() const {

@@ -264,6 +264,14 @@ struct ExtractionOptions {
   // the scene offers less, see FitToScene in nerf/extract/consistency.h.
   double min_triangulation_angle = 4.0;
 
+  // Where depth is matched, it is averaged over at most so many other views
+  // (nerf/extract/depth_averaging.h): those that share most sparse points with
+  // a view. 0 = over none.
+  int averaging_num_views = 24;
+
+  // Largest relative difference of depths that are of the same surface.
+  double averaging_max_depth_error = 0.06;
+
   bool Check(std::string* error) const;
 };
 
@@ -282,6 +290,10 @@ struct ReconstructionOptions {
 
   // Whether the field's depth is refined by matching.
   bool MatchesViews() const;
+
+  // Whether depth is averaged over views, which needs matched depth: that of
+  // the field has the same error in all of them.
+  bool AveragesDepth() const;
 
   // Whether the field learns from what is matched.
   bool LearnsFromMatches() const;

@@ -130,6 +130,10 @@ class Reconstructor::Impl {
     // Held-out views must not guide others.
     sources =
         SelectSourceViews(scene, options.loss.num_sources, train_view_idxs);
+    if (options.AveragesDepth()) {
+      averaging_views = SelectSourceViews(
+          scene, options.extraction.averaging_num_views, train_view_idxs);
+    }
     const std::vector<std::vector<int>> training_sources =
         SelectTrainingSources(sources, options.loss, train_view_idxs);
     findings = InspectScene(scene, sources, num_contradictory);
@@ -198,6 +202,7 @@ class Reconstructor::Impl {
   std::vector<int> train_view_idxs;
   std::vector<int> test_view_idxs;
   std::vector<std::vector<int>> sources;
+  std::vector<std::vector<int>> averaging_views;
   SceneFindings findings;
   std::unique_ptr<TrainingObjective> objective;
   std::unique_ptr<RenderEngine> engine;
@@ -320,6 +325,10 @@ size_t Reconstructor::CompletePlanes(const size_t view_idx,
 
 const std::vector<std::vector<int>>& Reconstructor::SourceViews() const {
   return impl_->sources;
+}
+
+const std::vector<std::vector<int>>& Reconstructor::AveragingViews() const {
+  return impl_->averaging_views;
 }
 
 const TrainingSummary& Reconstructor::Summary() const { return impl_->summary; }

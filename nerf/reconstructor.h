@@ -100,6 +100,10 @@ class Reconstructor {
   // Source views chosen for each view, best first (indices into the views).
   const std::vector<std::vector<int>>& SourceViews() const;
 
+  // The views that each view's depth is averaged over, as
+  // ReconstructionOptions::AveragesDepth says; empty without.
+  const std::vector<std::vector<int>>& AveragingViews() const;
+
   const TrainingSummary& Summary() const;
 
   // The trained field in one checksummed file, written beside and renamed.

@@ -1,10 +1,12 @@
 #include "nerf/tools/maps_folder.h"
 
 #include "nerf/extract/consistency.h"
+#include "nerf/extract/depth_averaging.h"
 #include "nerf/util/array_file.h"
 
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <stdexcept>
 #include <system_error>
@@ -80,6 +82,23 @@ void ApplyMask(const View& view, DenseMaps* maps) {
         return view.mask[row * view.image.width + col] != 0;
       },
       maps);
+}
+
+// Depth of the pixels that are confirmed, of all views.
+std::vector<DenseMaps> ConfirmedDepth(
+    const std::vector<DenseMaps>& all_maps,
+    const std::vector<std::vector<uint8_t>>& is_confirmed) {
+  std::vector<DenseMaps> all_confirmed;
+  for (size_t i = 0; i < all_maps.size(); ++i) {
+    DenseMaps& confirmed = all_confirmed.emplace_back();
+    confirmed.width = all_maps[i].width;
+    confirmed.height = all_maps[i].height;
+    for (size_t pixel = 0; pixel < all_maps[i].depth.size(); ++pixel) {
+      confirmed.depth.push_back(
+          is_confirmed[i][pixel] != 0 ? all_maps[i].depth[pixel] : 0.0f);
+    }
+  }
+  return all_confirmed;
 }
 
 size_t NumDepths(const DenseMaps& maps) {
@@ -182,35 +201,50 @@ MapsSummary ReconstructIntoFolder(
 
   const auto begin = std::chrono::steady_clock::now();
   std::vector<DenseMaps> fields;
-  const std::vector<DenseMaps> all_maps =
+  std::vector<DenseMaps> all_maps =
       RenderMaps(poses.views, &reconstructor, &fields, progress);
   ThreadPool pool(options.training.num_threads);
+  std::vector<std::vector<uint8_t>> is_confirmed;
+  for (size_t i = 0; i < all_maps.size(); ++i) {
+    is_confirmed.push_back(CheckConsistency(poses,
+                                            all_maps,
+                                            i,
+                                            reconstructor.SourceViews()[i],
+                                            extraction,
+                                            &pool,
+                                            progress)
+                               .is_confirmed);
+    ReportItems("Checking consistency", i + 1, all_maps.size(), progress);
+  }
+  const bool averages_depth = reconstructor.Options().AveragesDepth();
+  const std::vector<DenseMaps> confirmed =
+      averages_depth ? ConfirmedDepth(all_maps, is_confirmed)
+                     : std::vector<DenseMaps>();
   for (size_t i = 0; i < all_maps.size(); ++i) {
     const std::string& name = poses.views[i].name;
-    const ViewConsistency consistency =
-        CheckConsistency(poses,
-                         all_maps,
-                         i,
-                         reconstructor.SourceViews()[i],
-                         extraction,
-                         &pool,
-                         progress);
-    DenseMaps photometric = all_maps[i];
+    DenseMaps& maps = all_maps[i];
     if (!fields.empty()) {
-      ReplaceUnconfirmed(consistency.is_confirmed, fields[i], &photometric);
+      ReplaceUnconfirmed(is_confirmed[i], fields[i], &maps);
     }
-    WriteMaps(folder, name, "photometric", photometric);
-    DenseMaps geometric = all_maps[i];
-    KeepOnly(
-        [&](const size_t pixel) {
-          return consistency.is_confirmed[pixel] != 0;
-        },
-        &geometric);
-    WriteMaps(folder, name, "geometric", geometric);
-    summary.num_pixels += photometric.depth.size();
-    summary.num_photometric += NumDepths(photometric);
-    summary.num_geometric += NumDepths(geometric);
-    ReportItems("Checking consistency", i + 1, all_maps.size(), progress);
+    if (averages_depth) {
+      AverageDepth(poses,
+                   confirmed,
+                   i,
+                   reconstructor.AveragingViews()[i],
+                   is_confirmed[i],
+                   extraction,
+                   &pool,
+                   progress,
+                   &maps);
+    }
+    WriteMaps(folder, name, "photometric", maps);
+    summary.num_pixels += maps.depth.size();
+    summary.num_photometric += NumDepths(maps);
+    KeepOnly([&](const size_t pixel) { return is_confirmed[i][pixel] != 0; },
+             &maps);
+    WriteMaps(folder, name, "geometric", maps);
+    summary.num_geometric += NumDepths(maps);
+    ReportItems("Writing depth maps", i + 1, all_maps.size(), progress);
   }
   folder.Commit();
   summary.map_seconds =

@@ -1,5 +1,6 @@
 #include "colmap_plugin/depth_map_cache.h"
 
+#include "colmap_plugin/dense_workspace.h"
 #include "tests/support/temp_dir.h"
 
 #include <filesystem>
@@ -18,6 +19,16 @@ class DepthMapCacheTest : public testing::Test {
       : workspace_(temp_dir_ / "dense"),
         names_({"0.png", "1.png", "2.png", "3.png"}) {
     workspace_.CreateFolders(names_);
+  }
+
+  DepthMapCache MakeCache(const size_t max_bytes) {
+    return DepthMapCache(
+        [this](const size_t view_idx) {
+          return workspace_.ReadInterimMaps(names_[view_idx],
+                                            InterimStage::kCompleted);
+        },
+        names_.size(),
+        max_bytes);
   }
 
   void Fill(DepthMapCache* cache) {
@@ -46,7 +57,7 @@ class DepthMapCacheTest : public testing::Test {
 };
 
 TEST_F(DepthMapCacheTest, WithEnoughMemoryNothingIsReadBack) {
-  DepthMapCache cache(&workspace_, names_, 4 * kMapBytes);
+  DepthMapCache cache = MakeCache(4 * kMapBytes);
   Fill(&cache);
   std::filesystem::remove_all(temp_dir_ / "dense");
   const auto& maps = cache.Require({2, 0, 1, 3});
@@ -56,7 +67,7 @@ TEST_F(DepthMapCacheTest, WithEnoughMemoryNothingIsReadBack) {
 }
 
 TEST_F(DepthMapCacheTest, HoldsNoMoreThanAllowed) {
-  DepthMapCache cache(&workspace_, names_, 2 * kMapBytes);
+  DepthMapCache cache = MakeCache(2 * kMapBytes);
   Fill(&cache);
   for (const std::vector<int>& required :
        {std::vector<int>{0, 1}, {1, 2}, {3, 0}, {0, 3}}) {
@@ -73,7 +84,7 @@ TEST_F(DepthMapCacheTest, HoldsNoMoreThanAllowed) {
 }
 
 TEST_F(DepthMapCacheTest, OneRequestMayNeedMore) {
-  DepthMapCache cache(&workspace_, names_, 1);
+  DepthMapCache cache = MakeCache(1);
   Fill(&cache);
   const auto& maps = cache.Require({0, 1, 2});
   for (int i = 0; i < 3; ++i) {

@@ -140,14 +140,14 @@ TEST(OptionTable, HasEveryOptionOfTheMethod) {
   auto& [t1, t2, t3, t4, t5, t6, t7, t8, t9, t10, t11, t12] =
       options.reconstruction.training;
   auto& [p1, p2, p3, p4, p5, p6, p7] = options.reconstruction.stereo;
-  auto& [e1, e2, e3, e4, e5] = options.reconstruction.extraction;
+  auto& [e1, e2, e3, e4, e5, e6, e7] = options.reconstruction.extraction;
   std::set<const void*> fields = {
-      &f1,  &f2,  &f3,  &f4,  &f5,  &f6,  &f7,  &f8,  &f9,  &f10, &s1,
-      &s2,  &s3,  &s4,  &s5,  &s6,  &s7,  &s8,  &s9,  &l1,  &l2,  &l3,
-      &l4,  &l5,  &l6,  &l7,  &l8,  &l9,  &l10, &l11, &l12, &l13, &l14,
-      &l15, &l16, &l17, &l18, &l19, &l20, &l21, &l22, &l23, &t1,  &t2,
-      &t3,  &t4,  &t5,  &t6,  &t7,  &t8,  &t9,  &t10, &t11, &t12, &p1,
-      &p2,  &p3,  &p4,  &p5,  &p6,  &p7,  &e1,  &e2,  &e3,  &e4,  &e5};
+      &f1,  &f2,  &f3,  &f4,  &f5,  &f6,  &f7,  &f8,  &f9,  &f10, &s1,  &s2,
+      &s3,  &s4,  &s5,  &s6,  &s7,  &s8,  &s9,  &l1,  &l2,  &l3,  &l4,  &l5,
+      &l6,  &l7,  &l8,  &l9,  &l10, &l11, &l12, &l13, &l14, &l15, &l16, &l17,
+      &l18, &l19, &l20, &l21, &l22, &l23, &t1,  &t2,  &t3,  &t4,  &t5,  &t6,
+      &t7,  &t8,  &t9,  &t10, &t11, &t12, &p1,  &p2,  &p3,  &p4,  &p5,  &p6,
+      &p7,  &e1,  &e2,  &e3,  &e4,  &e5,  &e6,  &e7};
   for (const OptionEntry& entry : MakeOptionTable(&options)) {
     std::visit([&](const auto* field) { fields.erase(field); }, entry.value);
   }

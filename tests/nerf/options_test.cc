@@ -120,6 +120,10 @@ std::vector<Setting> AllowedSettings() {
       SETTING(extraction, max_reprojection_error, 0.0),
       SETTING(extraction, min_num_consistent, 1),
       SETTING(extraction, min_triangulation_angle, 0.0),
+      SETTING(extraction, averaging_num_views, 0),
+      SETTING(extraction, averaging_num_views, 1000),
+      SETTING(extraction, averaging_max_depth_error, 0.0),
+      SETTING(extraction, averaging_max_depth_error, 1.0),
   };
 }
 
@@ -220,6 +224,10 @@ std::vector<Setting> ForbiddenSettings() {
       SETTING(extraction, max_reprojection_error, -1.0),
       SETTING(extraction, min_num_consistent, 0),
       SETTING(extraction, min_triangulation_angle, -1.0),
+      SETTING(extraction, averaging_num_views, -1),
+      SETTING(extraction, averaging_num_views, 1001),
+      SETTING(extraction, averaging_max_depth_error, -0.01),
+      SETTING(extraction, averaging_max_depth_error, 1.01),
   };
 }
 

@@ -174,7 +174,7 @@ TEST_F(StructnerfTrainTest, AbortingLeavesNothing) {
   class AbortingProgress : public Progress {
    public:
     void Report(const ProgressUpdate& update) override {
-      if (update.stage == "Checking consistency") {
+      if (update.stage == "Writing depth maps") {
         // Maps of a view have been written by now.
         EXPECT_TRUE(std::filesystem::exists(path + ".partial"));
         is_aborting = true;

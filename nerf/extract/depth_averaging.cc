@@ -1,0 +1,118 @@
+#include "nerf/extract/depth_averaging.h"
+
+#include "nerf/pixel_transfer.h"
+#include "nerf/watched_loop.h"
+
+#include <cmath>
+
+#include <Eigen/Core>
+
+namespace structnerf {
+namespace {
+
+// Another view, as seen from the view whose depth is averaged.
+class OtherView {
+ public:
+  OtherView(const View& view, const View& other, const DenseMaps& confirmed)
+      : forward_(view, view.camera, other, other.camera),
+        backward_(other, other.camera, view, view.camera),
+        maps_(confirmed) {}
+
+  // The depth of a pixel by the surface that this view sees there, divided by
+  // the pixel's own; 0 if it is another surface, or none.
+  double RelativeDepth(const double x,
+                       const double y,
+                       const double depth,
+                       const double max_error) const {
+    Eigen::Vector3d there;
+    if (!forward_.Apply(x, y, depth, &there)) {
+      return 0;
+    }
+    const double surface_depth = DepthAt(there, max_error);
+    Eigen::Vector3d back;
+    if (surface_depth == 0 ||
+        !backward_.Apply(there.x(), there.y(), surface_depth, &back)) {
+      return 0;
+    }
+    const double ratio = back.z() / depth;
+    return std::abs(ratio - 1) <= max_error ? ratio : 0;
+  }
+
+ private:
+  // Interpolated linearly in its inverse, as it is on a plane; 0 unless all
+  // four values around the image point `there` are near the depth of that.
+  double DepthAt(const Eigen::Vector3d& there, const double max_error) const {
+    const double left = std::floor(there.x());
+    const double top = std::floor(there.y());
+    if (!(left >= 0 && top >= 0 && left + 1 < maps_.width &&
+          top + 1 < maps_.height)) {
+      return 0;
+    }
+    const float* const upper = maps_.depth.data() +
+                               static_cast<size_t>(top) * maps_.width +
+                               static_cast<size_t>(left);
+    const float* const lower = upper + maps_.width;
+    const double max_difference = max_error * there.z();
+    for (const float depth : {upper[0], upper[1], lower[0], lower[1]}) {
+      if (depth <= 0 || std::abs(depth - there.z()) > max_difference) {
+        return 0;
+      }
+    }
+    const double right_share = there.x() - left;
+    const double lower_share = there.y() - top;
+    return 1 / ((1 - lower_share) *
+                    ((1 - right_share) / upper[0] + right_share / upper[1]) +
+                lower_share *
+                    ((1 - right_share) / lower[0] + right_share / lower[1]));
+  }
+
+  const PixelTransfer forward_;
+  const PixelTransfer backward_;
+  const DenseMaps& maps_;
+};
+
+}  // namespace
+
+void AverageDepth(const Scene& scene,
+                  const std::vector<DenseMaps>& confirmed,
+                  const size_t view_idx,
+                  const std::vector<int>& averaging_view_idxs,
+                  const std::vector<uint8_t>& is_confirmed,
+                  const ExtractionOptions& options,
+                  ThreadPool* pool,
+                  Progress* progress,
+                  DenseMaps* maps) {
+  const View& view = scene.views[view_idx];
+  std::vector<OtherView> others;
+  for (const int other_idx : averaging_view_idxs) {
+    others.emplace_back(view, scene.views[other_idx], confirmed[other_idx]);
+  }
+  const auto average_row = [&](const size_t row, int) {
+    for (int col = 0; col < maps->width; ++col) {
+      const size_t i = row * maps->width + col;
+      const double depth = maps->depth[i];
+      if (depth <= 0) {
+        continue;
+      }
+      double sum = 0;
+      int count = is_confirmed[i];
+      for (const OtherView& other : others) {
+        const double ratio =
+            other.RelativeDepth(col,
+                                static_cast<double>(row),
+                                depth,
+                                options.averaging_max_depth_error);
+        if (ratio > 0) {
+          sum += std::log(ratio);
+          ++count;
+        }
+      }
+      if (count > 0) {
+        maps->depth[i] = static_cast<float>(depth * std::exp(sum / count));
+      }
+    }
+  };
+  WatchedParallelFor(maps->height, pool, progress, average_row);
+}
+
+}  // namespace structnerf

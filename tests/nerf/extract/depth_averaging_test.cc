@@ -1,0 +1,179 @@
+#include "nerf/extract/depth_averaging.h"
+
+#include "tests/nerf/aborting_progress.h"
+#include "tests/nerf/plane_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace structnerf {
+namespace {
+
+constexpr int kWidth = 40;
+constexpr int kHeight = 30;
+
+// Three cameras in front of a slanted wall. View 0 has its depth times
+// `factors[0]`, and so on.
+class AverageDepthTest : public testing::Test {
+ protected:
+  AverageDepthTest() {
+    plane_.normal = {0.3, -0.4, -1};
+    for (int v = 0; v < 3; ++v) {
+      // Different cameras, so that intrinsics cannot be mixed up.
+      scene_.views.push_back(MakeView("view",
+                                      {kWidth + v,
+                                       kHeight,
+                                       50.0 + v,
+                                       52.0 + v,
+                                       0.5 * kWidth,
+                                       0.5 * kHeight},
+                                      {0.2 * v, 0.05 * v, -0.1 * v}));
+    }
+    MakeMaps({1, 1, 1});
+  }
+
+  void MakeMaps(const std::vector<double>& factors) {
+    confirmed_.clear();
+    for (int v = 0; v < 3; ++v) {
+      const View& view = scene_.views[v];
+      DenseMaps maps;
+      maps.width = view.camera.width;
+      maps.height = view.camera.height;
+      for (int row = 0; row < maps.height; ++row) {
+        for (int col = 0; col < maps.width; ++col) {
+          maps.depth.push_back(
+              static_cast<float>(factors[v] * plane_.Depth(view, col, row)));
+        }
+      }
+      confirmed_.push_back(maps);
+    }
+    maps_ = confirmed_[0];
+    is_confirmed_.assign(maps_.depth.size(), 1);
+  }
+
+  void Average(const std::vector<int>& view_idxs = {1, 2}) {
+    ThreadPool pool(2);
+    Progress progress;
+    AverageDepth(scene_,
+                 confirmed_,
+                 0,
+                 view_idxs,
+                 is_confirmed_,
+                 options_,
+                 &pool,
+                 &progress,
+                 &maps_);
+  }
+
+  // What the depth of the middle pixel is of the true one.
+  double Factor() const {
+    const size_t i = Middle();
+    return maps_.depth[i] /
+           plane_.Depth(scene_.views[0], kWidth / 2, kHeight / 2);
+  }
+
+  static size_t Middle() { return kHeight / 2 * kWidth + kWidth / 2; }
+
+  TexturedPlane plane_;
+  Scene scene_;
+  std::vector<DenseMaps> confirmed_;  // of all views
+  DenseMaps maps_;                    // of view 0
+  std::vector<uint8_t> is_confirmed_;
+  ExtractionOptions options_;
+};
+
+TEST_F(AverageDepthTest, TheTruthStays) {
+  const std::vector<float> depth = maps_.depth;
+  Average();
+  for (size_t i = 0; i < depth.size(); ++i) {
+    EXPECT_NEAR(maps_.depth[i], depth[i], 1e-5 * depth[i]);
+  }
+}
+
+TEST_F(AverageDepthTest, TakesTheMeanOfTheLogarithms) {
+  MakeMaps({0.99, 1.02, 1.03});
+  Average();
+  // The others' depth is along their rays, nearly the same way as this one's.
+  EXPECT_NEAR(Factor(), std::cbrt(0.99 * 1.02 * 1.03), 1e-3);
+}
+
+TEST_F(AverageDepthTest, WhatIsNotConfirmedCountsForNothing) {
+  MakeMaps({0.98, 1.01, 1.02});
+  is_confirmed_[Middle()] = 0;
+  Average();
+  EXPECT_NEAR(Factor(), std::sqrt(1.01 * 1.02), 1e-3);
+  EXPECT_NEAR(maps_.depth[Middle() + 1] /
+                  plane_.Depth(scene_.views[0], kWidth / 2 + 1, kHeight / 2),
+              std::cbrt(0.98 * 1.01 * 1.02),
+              1e-3);
+}
+
+TEST_F(AverageDepthTest, WhatNoOtherViewSeesStays) {
+  MakeMaps({0.98, 1.01, 1.02});
+  is_confirmed_.assign(is_confirmed_.size(), 0);
+  Average({});
+  EXPECT_NEAR(Factor(), 0.98, 1e-6);
+  // The same where they have no depth.
+  for (const int v : {1, 2}) {
+    confirmed_[v].depth.assign(confirmed_[v].depth.size(), 0);
+  }
+  Average();
+  EXPECT_NEAR(Factor(), 0.98, 1e-6);
+}
+
+TEST_F(AverageDepthTest, OtherSurfacesDoNotCount) {
+  MakeMaps({1, 1.01, 1.2});
+  options_.averaging_max_depth_error = 0.05;
+  Average();
+  EXPECT_NEAR(Factor(), std::sqrt(1.01), 1e-3);
+  options_.averaging_max_depth_error = 0.5;
+  MakeMaps({1, 1.01, 1.2});
+  Average();
+  EXPECT_NEAR(Factor(), std::cbrt(1.01 * 1.2), 1e-2);
+}
+
+// Where four pixels are interpolated, all must be of the surface.
+TEST_F(AverageDepthTest, SurfacesAreNotMixedAtTheirEdges) {
+  MakeMaps({0.98, 1.01, 1.01});
+  const Eigen::Vector3d there = Project(
+      scene_.views[1],
+      Unproject(
+          scene_.views[0], kWidth / 2, kHeight / 2, maps_.depth[Middle()]));
+  const int corner = static_cast<int>(there.y() + 1) * confirmed_[1].width +
+                     static_cast<int>(there.x());
+  for (const float factor : {0.0f, 0.9f, 1.1f}) {
+    MakeMaps({0.98, 1.01, 1.01});
+    confirmed_[1].depth[corner] *= factor;
+    Average({1});
+    EXPECT_NEAR(Factor(), 0.98, 1e-6);
+  }
+}
+
+TEST_F(AverageDepthTest, PixelsWithoutDepthStayWithout) {
+  maps_.depth[Middle()] = 0;
+  is_confirmed_[Middle()] = 0;
+  Average();
+  EXPECT_EQ(maps_.depth[Middle()], 0);
+}
+
+TEST_F(AverageDepthTest, Aborts) {
+  ThreadPool pool(1);
+  AbortingProgress progress;
+  EXPECT_THROW(AverageDepth(scene_,
+                            confirmed_,
+                            0,
+                            {1, 2},
+                            is_confirmed_,
+                            options_,
+                            &pool,
+                            &progress,
+                            &maps_),
+               Aborted);
+}
+
+}  // namespace
+}  // namespace structnerf
