@@ -98,8 +98,16 @@ FixedBytes FixedBytesOf(const StructNerfOptions& options,
   bytes.undistortion = options.workspace_path.empty()
                            ? ImagesAtOnce(cameras, -1) * bytes.image
                            : 0;
-  bytes.min_maps = num_pixels * (kDenseBytesPerPixel +
-                                 (num_sources + 1) * kStereoBytesPerPixel);
+  // Averaging takes depth alone, of more views.
+  const size_t averaged_bytes =
+      options.reconstruction.AveragesDepth()
+          ? options.reconstruction.extraction.averaging_num_views *
+                sizeof(float)
+          : 0;
+  bytes.min_maps =
+      num_pixels *
+      (kDenseBytesPerPixel +
+       std::max((num_sources + 1) * kStereoBytesPerPixel, averaged_bytes));
   bytes.all_maps = cameras.size() * num_pixels * kStereoBytesPerPixel;
   bytes.check = num_pixels * (kCheckBytesPerPixel +
                               num_sources * kCheckBytesPerPixelAndSource);

@@ -17,7 +17,8 @@ constexpr double kPerTrainingPixel = 0.8e-6;   // loading, superpixels
 constexpr double kPerRenderedPixel = 0.55e-6;  // of the maps
 constexpr double kPerMatchedPixel = 2.4e-6;    // one sweep of matching
 constexpr double kPerCompletedPixel = 0.75e-6;
-constexpr double kPerFusedPixel = 0.8e-6;  // and written
+constexpr double kPerFusedPixel = 0.8e-6;      // and written
+constexpr double kPerAveragedPixel = 0.03e-6;  // over one view
 constexpr double kDensityCache = 2.0;
 
 // ... and that one thread does.
@@ -68,6 +69,11 @@ TimeEstimate EstimateTime(const StructNerfOptions& options,
       method.stereo.num_iterations > 0 ? method.stereo.num_iterations + 1 : 0;
   const double completed_pixels =
       method.CompletesPlanes() ? training_pixels : 0;
+  const size_t num_averaged =
+      method.AveragesDepth()
+          ? std::min(cameras.size() - 1,
+                     static_cast<size_t>(method.extraction.averaging_num_views))
+          : 0;
   const double num_threads =
       colmap::GetEffectiveNumThreads(method.training.num_threads);
   TimeEstimate estimate;
@@ -86,7 +92,8 @@ TimeEstimate EstimateTime(const StructNerfOptions& options,
                         kPerMatchedPixel * num_sweeps * training_pixels) /
                        num_threads;
   estimate.finishing =
-      (kPerCompletedPixel * completed_pixels + kPerFusedPixel * map_pixels) /
+      (kPerCompletedPixel * completed_pixels +
+       (kPerFusedPixel + kPerAveragedPixel * num_averaged) * map_pixels) /
           num_threads +
       kPerCheckedPixel * map_pixels;
   return estimate;

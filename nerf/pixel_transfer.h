@@ -34,6 +34,11 @@ struct PixelTransfer {
     return true;
   }
 
+  // The depth alone; not positive if it is not in front of the camera.
+  double Depth(const double x, const double y, const double depth) const {
+    return depth * matrix.row(2).dot(Eigen::RowVector3d(x, y, 1)) + offset.z();
+  }
+
   Eigen::Matrix3d matrix;
   Eigen::Vector3d offset;
 };

@@ -29,12 +29,11 @@ class OtherView {
       return 0;
     }
     const double surface_depth = DepthAt(there, max_error);
-    Eigen::Vector3d back;
-    if (surface_depth == 0 ||
-        !backward_.Apply(there.x(), there.y(), surface_depth, &back)) {
+    if (surface_depth == 0) {
       return 0;
     }
-    const double ratio = back.z() / depth;
+    const double ratio =
+        backward_.Depth(there.x(), there.y(), surface_depth) / depth;
     return std::abs(ratio - 1) <= max_error ? ratio : 0;
   }
 
@@ -94,7 +93,7 @@ void AverageDepth(const Scene& scene,
       if (depth <= 0) {
         continue;
       }
-      double sum = 0;
+      double sum = is_confirmed[i];
       int count = is_confirmed[i];
       for (const OtherView& other : others) {
         const double ratio =
@@ -103,12 +102,12 @@ void AverageDepth(const Scene& scene,
                                 depth,
                                 options.averaging_max_depth_error);
         if (ratio > 0) {
-          sum += std::log(ratio);
+          sum += ratio;
           ++count;
         }
       }
       if (count > 0) {
-        maps->depth[i] = static_cast<float>(depth * std::exp(sum / count));
+        maps->depth[i] = static_cast<float>(depth * sum / count);
       }
     }
   };

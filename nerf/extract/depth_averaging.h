@@ -11,7 +11,7 @@
 
 namespace structnerf {
 
-// Averages, in logarithm, the depth of each pixel of a view with that of other
+// Averages the depth of each pixel of a view with that of other
 // views' confirmed pixels that see the same surface: those of
 // `averaging_view_idxs` whose own depth where the pixel lands differs by no
 // more than `options.averaging_max_depth_error`. Views err independently where

@@ -109,6 +109,7 @@ class StructNerfControllerTest : public testing::Test {
 
 TEST_F(StructNerfControllerTest, StagesAreNamedByWhatIsDone) {
   EXPECT_THAT(StageNames(), Contains("Completing planes"));
+  EXPECT_EQ(StageNames().back(), "Averaging depth maps");
 
   options_.reconstruction.stereo.num_iterations = 0;
   EXPECT_THAT(StageNames(),

@@ -161,7 +161,8 @@ TEST_F(RoomTest, TellsAPersonWhatHappens) {
                                   "Training",
                                   "Rendering depth maps",
                                   "Checking consistency",
-                                  "Fusing points"}) {
+                                  "Fusing points",
+                                  "Averaging depth maps"}) {
     EXPECT_THAT(result_.error, HasSubstr(stage + "\n"));
     EXPECT_THAT(result_.error, HasSubstr(stage + ": done in"));
   }

@@ -29,6 +29,7 @@ TEST(PixelTransfer, ProjectsIntoTheOtherView) {
           Project(kTo, Unproject(kFrom, x, y, depth));
       // World coordinates of this size are exact to 1e-9.
       EXPECT_LT((result - expected).norm(), 1e-6) << x << " " << y;
+      EXPECT_NEAR(transfer.Depth(x, y, depth), result.z(), 1e-12);
     }
   }
 }
@@ -53,6 +54,7 @@ TEST(PixelTransfer, RefusesWhatIsNotInFrontOfTheCamera) {
   Eigen::Vector3d result(7, 7, 7);
   EXPECT_FALSE(transfer.Apply(20, 30, 4, &result));
   EXPECT_EQ(result, Eigen::Vector3d(7, 7, 7));
+  EXPECT_LE(transfer.Depth(20, 30, 4), 0);
 }
 
 }  // namespace
