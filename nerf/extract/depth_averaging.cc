@@ -4,6 +4,7 @@
 #include "nerf/watched_loop.h"
 
 #include <cmath>
+#include <cstddef>
 
 #include <Eigen/Core>
 
