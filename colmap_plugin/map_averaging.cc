@@ -48,26 +48,18 @@ void AverageMaps(const MapAveragingOptions& options,
       options.max_bytes);
   ThreadPool pool(options.num_threads);
   for (size_t i = 0; i < names.size(); ++i) {
-    const std::vector<uint8_t> is_confirmed = HasDepth(
-        ReadDepthMap(workspace.DepthMapPath(names[i], MapType::kGeometric)));
+    std::vector<int> required = averaging_views[i];
+    required.push_back(static_cast<int>(i));
     StereoMaps photometric =
         workspace.ReadMaps(names[i], MapType::kPhotometric);
-    DenseMaps maps;
-    maps.width = photometric.width;
-    maps.height = photometric.height;
-    maps.depth = std::move(photometric.depth);
-    maps.normal = std::move(photometric.normal);
     AverageDepth(scene,
-                 confirmed.Require(averaging_views[i]),
+                 confirmed.Require(required),
                  i,
                  averaging_views[i],
-                 is_confirmed,
                  options.extraction,
                  &pool,
                  stage->Inner(),
-                 &maps);
-    photometric.depth = std::move(maps.depth);
-    photometric.normal = std::move(maps.normal);
+                 &photometric.depth);
     workspace.WriteMaps(names[i], MapType::kPhotometric, photometric);
     stage->Report(i + 1, num_items);
   }

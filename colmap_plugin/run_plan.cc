@@ -98,10 +98,10 @@ FixedBytes FixedBytesOf(const StructNerfOptions& options,
   bytes.undistortion = options.workspace_path.empty()
                            ? ImagesAtOnce(cameras, -1) * bytes.image
                            : 0;
-  // Averaging takes depth alone, of more views.
+  // Averaging takes depth alone, of a view and of more others.
   const size_t averaged_bytes =
       options.reconstruction.AveragesDepth()
-          ? options.reconstruction.extraction.averaging_num_views *
+          ? (options.reconstruction.extraction.averaging_num_views + 1) *
                 sizeof(float)
           : 0;
   bytes.min_maps =

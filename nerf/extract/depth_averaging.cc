@@ -77,30 +77,29 @@ void AverageDepth(const Scene& scene,
                   const std::vector<DenseMaps>& confirmed,
                   const size_t view_idx,
                   const std::vector<int>& averaging_view_idxs,
-                  const std::vector<uint8_t>& is_confirmed,
                   const ExtractionOptions& options,
                   ThreadPool* pool,
                   Progress* progress,
-                  DenseMaps* maps) {
+                  std::vector<float>* depth) {
   const View& view = scene.views[view_idx];
   std::vector<OtherView> others;
   for (const int other_idx : averaging_view_idxs) {
     others.emplace_back(view, scene.views[other_idx], confirmed[other_idx]);
   }
   const auto average_row = [&](const size_t row, int) {
-    for (int col = 0; col < maps->width; ++col) {
-      const size_t i = row * maps->width + col;
-      const double depth = maps->depth[i];
-      if (depth <= 0) {
+    for (int col = 0; col < view.camera.width; ++col) {
+      const size_t i = row * view.camera.width + col;
+      const double own_depth = (*depth)[i];
+      if (own_depth <= 0) {
         continue;
       }
-      double sum = is_confirmed[i];
-      int count = is_confirmed[i];
+      int count = confirmed[view_idx].depth[i] > 0;
+      double sum = count;
       for (const OtherView& other : others) {
         const double ratio =
             other.RelativeDepth(col,
                                 static_cast<double>(row),
-                                depth,
+                                own_depth,
                                 options.averaging_max_depth_error);
         if (ratio > 0) {
           sum += ratio;
@@ -108,11 +107,11 @@ void AverageDepth(const Scene& scene,
         }
       }
       if (count > 0) {
-        maps->depth[i] = static_cast<float>(depth * sum / count);
+        (*depth)[i] = static_cast<float>(own_depth * sum / count);
       }
     }
   };
-  WatchedParallelFor(maps->height, pool, progress, average_row);
+  WatchedParallelFor(view.camera.height, pool, progress, average_row);
 }
 
 }  // namespace structnerf

@@ -231,11 +231,10 @@ MapsSummary ReconstructIntoFolder(
                    confirmed,
                    i,
                    reconstructor.AveragingViews()[i],
-                   is_confirmed[i],
                    extraction,
                    &pool,
                    progress,
-                   &maps);
+                   &maps.depth);
     }
     WriteMaps(folder, name, "photometric", maps);
     summary.num_pixels += maps.depth.size();

@@ -27,6 +27,18 @@ double TexturedPlane::Depth(const View& view,
   return normal.dot(point - view.ProjectionCenter()) / normal.dot(direction);
 }
 
+DenseMaps TexturedPlane::DepthMap(const View& view, const double factor) const {
+  DenseMaps maps;
+  maps.width = view.camera.width;
+  maps.height = view.camera.height;
+  for (int row = 0; row < maps.height; ++row) {
+    for (int col = 0; col < maps.width; ++col) {
+      maps.depth.push_back(static_cast<float>(factor * Depth(view, col, row)));
+    }
+  }
+  return maps;
+}
+
 Eigen::Vector3d TexturedPlane::NormalInView(const View& view) const {
   const Eigen::Vector3d in_view =
       (view.cam_from_world_rotation * normal).normalized();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "nerf/dense_maps.h"
 #include "nerf/scene.h"
 
 #include <string>
@@ -23,6 +24,9 @@ struct TexturedPlane {
   // z-depth along the ray through an image point of `view.camera`; not positive
   // if the ray does not meet the plane in front of the camera.
   double Depth(const View& view, double x, double y) const;
+
+  // Maps of a view with nothing but depth, off by a factor.
+  DenseMaps DepthMap(const View& view, double factor = 1) const;
 
   // Normal in the camera frame, unit, facing the camera.
   Eigen::Vector3d NormalInView(const View& view) const;

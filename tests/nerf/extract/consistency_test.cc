@@ -42,16 +42,7 @@ struct PlaneMaps {
 
   void AddView(const View& view) {
     scene.views.push_back(view);
-    DenseMaps view_maps;
-    view_maps.width = view.camera.width;
-    view_maps.height = view.camera.height;
-    for (int row = 0; row < view_maps.height; ++row) {
-      for (int col = 0; col < view_maps.width; ++col) {
-        view_maps.depth.push_back(
-            static_cast<float>(plane.Depth(view, col, row)));
-      }
-    }
-    maps.push_back(view_maps);
+    maps.push_back(plane.DepthMap(view));
   }
 
   float& Depth(const int view_idx, const int col, const int row) {

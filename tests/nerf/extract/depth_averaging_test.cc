@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -39,41 +38,22 @@ class AverageDepthTest : public testing::Test {
   void MakeMaps(const std::vector<double>& factors) {
     confirmed_.clear();
     for (int v = 0; v < 3; ++v) {
-      const View& view = scene_.views[v];
-      DenseMaps maps;
-      maps.width = view.camera.width;
-      maps.height = view.camera.height;
-      for (int row = 0; row < maps.height; ++row) {
-        for (int col = 0; col < maps.width; ++col) {
-          maps.depth.push_back(
-              static_cast<float>(factors[v] * plane_.Depth(view, col, row)));
-        }
-      }
-      confirmed_.push_back(maps);
+      confirmed_.push_back(plane_.DepthMap(scene_.views[v], factors[v]));
     }
-    maps_ = confirmed_[0];
-    is_confirmed_.assign(maps_.depth.size(), 1);
+    depth_ = confirmed_[0].depth;
   }
 
   void Average(const std::vector<int>& view_idxs = {1, 2}) {
     ThreadPool pool(2);
     Progress progress;
-    AverageDepth(scene_,
-                 confirmed_,
-                 0,
-                 view_idxs,
-                 is_confirmed_,
-                 options_,
-                 &pool,
-                 &progress,
-                 &maps_);
+    AverageDepth(
+        scene_, confirmed_, 0, view_idxs, options_, &pool, &progress, &depth_);
   }
 
   // What the depth of the middle pixel is of the true one.
   double Factor() const {
     const size_t i = Middle();
-    return maps_.depth[i] /
-           plane_.Depth(scene_.views[0], kWidth / 2, kHeight / 2);
+    return depth_[i] / plane_.Depth(scene_.views[0], kWidth / 2, kHeight / 2);
   }
 
   static size_t Middle() { return kHeight / 2 * kWidth + kWidth / 2; }
@@ -81,16 +61,15 @@ class AverageDepthTest : public testing::Test {
   TexturedPlane plane_;
   Scene scene_;
   std::vector<DenseMaps> confirmed_;  // of all views
-  DenseMaps maps_;                    // of view 0
-  std::vector<uint8_t> is_confirmed_;
+  std::vector<float> depth_;          // of view 0
   ExtractionOptions options_;
 };
 
 TEST_F(AverageDepthTest, TheTruthStays) {
-  const std::vector<float> depth = maps_.depth;
+  const std::vector<float> depth = depth_;
   Average();
   for (size_t i = 0; i < depth.size(); ++i) {
-    EXPECT_NEAR(maps_.depth[i], depth[i], 1e-5 * depth[i]);
+    EXPECT_NEAR(depth_[i], depth[i], 1e-5 * depth[i]);
   }
 }
 
@@ -103,10 +82,10 @@ TEST_F(AverageDepthTest, TakesTheMean) {
 
 TEST_F(AverageDepthTest, WhatIsNotConfirmedCountsForNothing) {
   MakeMaps({0.98, 1.01, 1.02});
-  is_confirmed_[Middle()] = 0;
+  confirmed_[0].depth[Middle()] = 0;
   Average();
   EXPECT_NEAR(Factor(), (1.01 + 1.02) / 2, 1e-3);
-  EXPECT_NEAR(maps_.depth[Middle() + 1] /
+  EXPECT_NEAR(depth_[Middle() + 1] /
                   plane_.Depth(scene_.views[0], kWidth / 2 + 1, kHeight / 2),
               (0.98 + 1.01 + 1.02) / 3,
               1e-3);
@@ -114,7 +93,7 @@ TEST_F(AverageDepthTest, WhatIsNotConfirmedCountsForNothing) {
 
 TEST_F(AverageDepthTest, WhatNoOtherViewSeesStays) {
   MakeMaps({0.98, 1.01, 1.02});
-  is_confirmed_.assign(is_confirmed_.size(), 0);
+  confirmed_[0].depth.assign(depth_.size(), 0);
   Average({});
   EXPECT_NEAR(Factor(), 0.98, 1e-6);
   // The same where they have no depth.
@@ -141,8 +120,7 @@ TEST_F(AverageDepthTest, SurfacesAreNotMixedAtTheirEdges) {
   MakeMaps({0.98, 1.01, 1.01});
   const Eigen::Vector3d there = Project(
       scene_.views[1],
-      Unproject(
-          scene_.views[0], kWidth / 2, kHeight / 2, maps_.depth[Middle()]));
+      Unproject(scene_.views[0], kWidth / 2, kHeight / 2, depth_[Middle()]));
   const int corner = static_cast<int>(there.y() + 1) * confirmed_[1].width +
                      static_cast<int>(there.x());
   for (const float factor : {0.0f, 0.9f, 1.1f}) {
@@ -154,25 +132,19 @@ TEST_F(AverageDepthTest, SurfacesAreNotMixedAtTheirEdges) {
 }
 
 TEST_F(AverageDepthTest, PixelsWithoutDepthStayWithout) {
-  maps_.depth[Middle()] = 0;
-  is_confirmed_[Middle()] = 0;
+  depth_[Middle()] = 0;
+  confirmed_[0].depth[Middle()] = 0;
   Average();
-  EXPECT_EQ(maps_.depth[Middle()], 0);
+  EXPECT_EQ(depth_[Middle()], 0);
 }
 
 TEST_F(AverageDepthTest, Aborts) {
   ThreadPool pool(1);
   AbortingProgress progress;
-  EXPECT_THROW(AverageDepth(scene_,
-                            confirmed_,
-                            0,
-                            {1, 2},
-                            is_confirmed_,
-                            options_,
-                            &pool,
-                            &progress,
-                            &maps_),
-               Aborted);
+  EXPECT_THROW(
+      AverageDepth(
+          scene_, confirmed_, 0, {1, 2}, options_, &pool, &progress, &depth_),
+      Aborted);
 }
 
 }  // namespace

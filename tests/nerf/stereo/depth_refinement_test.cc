@@ -36,16 +36,8 @@ Scene MakeScene(TexturedPlane* plane, const int width, const int height) {
 DenseMaps MakeMaps(const TexturedPlane& plane,
                    const View& view,
                    const double factor) {
-  DenseMaps maps;
-  maps.width = view.camera.width;
-  maps.height = view.camera.height;
-  for (int row = 0; row < maps.height; ++row) {
-    for (int col = 0; col < maps.width; ++col) {
-      maps.depth.push_back(
-          static_cast<float>(factor * plane.Depth(view, col, row)));
-      maps.relative_std.push_back(0.01f);
-    }
-  }
+  DenseMaps maps = plane.DepthMap(view, factor);
+  maps.relative_std.assign(maps.depth.size(), 0.01f);
   const Eigen::Vector3d normal = plane.NormalInView(view);
   for (int axis = 0; axis < 3; ++axis) {
     maps.normal.insert(
