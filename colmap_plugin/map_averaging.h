@@ -25,18 +25,21 @@ struct MapAveragingOptions {
 // Averages the depth of all maps of a workspace over views that see the same
 // surface (nerf/extract/depth_averaging.h). Photometric maps change first: each
 // by what the geometric ones of other views say, as they were. Then geometric
-// ones take over what changed, so that the two agree as before.
+// ones become those pixels of the photometric ones whose mean is of enough
+// views. Consistency graphs and confidence are written with them.
 //
 // To be done after the cloud was fused: fusion averages over views itself, and
 // tells wrong depth by its disagreement, which is gone afterwards.
 //
 // `scene`: cameras and poses will do. `averaging_views`:
-// Reconstructor::AveragingViews. Throws Aborted if told to, std::runtime_error
-// if a file cannot be read or written.
-void AverageMaps(const MapAveragingOptions& options,
-                 const Scene& scene,
-                 const std::vector<std::vector<int>>& averaging_views,
-                 const DenseWorkspace& workspace,
-                 StageProgress* stage);
+// Reconstructor::AveragingViews. Returns the number of geometric depths of each
+// view. Throws Aborted if told to, std::runtime_error if a file cannot be read
+// or written.
+std::vector<size_t> AverageMaps(
+    const MapAveragingOptions& options,
+    const Scene& scene,
+    const std::vector<std::vector<int>>& averaging_views,
+    const DenseWorkspace& workspace,
+    StageProgress* stage);
 
 }  // namespace structnerf

@@ -107,8 +107,6 @@ void MapMaker::CheckConsistency(
     StereoMaps geometric{maps.width, maps.height, maps.depth, maps.normal};
     geometric.KeepOnly(is_confirmed);
     workspace_->WriteMaps(name, MapType::kGeometric, geometric);
-    workspace_->WriteConsistencyGraph(
-        name, maps.width, maps.height, consistency.graph);
 
     if (options_.matches_views) {
       ReplaceUnconfirmed(
@@ -119,15 +117,19 @@ void MapMaker::CheckConsistency(
         consistency.angles[pixel] *= is_confirmed[pixel];
       }
     }
-    workspace_->WriteConfidence(name,
-                                maps.width,
-                                maps.height,
-                                EstimateConfidence(scene_->views[i].camera,
-                                                   maps,
-                                                   consistency.angles,
-                                                   options_.matches_views,
-                                                   &pool,
-                                                   stage->Inner()));
+    if (!options_.averages_depth) {
+      workspace_->WriteConsistencyGraph(
+          name, maps.width, maps.height, consistency.graph);
+      workspace_->WriteConfidence(name,
+                                  maps.width,
+                                  maps.height,
+                                  EstimateConfidence(scene_->views[i].camera,
+                                                     maps.depth,
+                                                     consistency.angles,
+                                                     options_.matches_views,
+                                                     &pool,
+                                                     stage->Inner()));
+    }
     const StereoMaps photometric{
         maps.width, maps.height, std::move(maps.depth), std::move(maps.normal)};
     workspace_->WriteMaps(name, MapType::kPhotometric, photometric);

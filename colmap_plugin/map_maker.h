@@ -27,8 +27,11 @@ struct MapMakerOptions {
   // not: training may have been stopped at another step.
   bool reuses_maps = false;
 
-  // ReconstructionOptions::MatchesViews.
+  // ReconstructionOptions::MatchesViews and AveragesDepth. In the latter case
+  // it is AverageMaps that says what is confirmed in the end, and how
+  // confidently.
   bool matches_views = false;
+  bool averages_depth = false;
 
   // For maps that are held at once.
   size_t max_bytes = 0;
@@ -57,9 +60,10 @@ class MapMaker {
   // Returns the number of pixels on planes.
   size_t CompletePlanes(Reconstructor* reconstructor, StageProgress* stage);
 
-  // Writes the geometric maps and what confirms them, and the photometric ones,
-  // in which pixels that no view confirms have the depth of the field, with
-  // their confidence.
+  // Writes the geometric maps, and the photometric ones, in which pixels that
+  // no view confirms have the depth of the field. Unless depth is averaged
+  // afterwards, also what confirms the former, and the confidence of the
+  // latter.
   // `source_views`: Reconstructor::SourceViews.
   void CheckConsistency(const std::vector<std::vector<int>>& source_views,
                         StageProgress* stage);

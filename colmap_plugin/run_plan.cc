@@ -34,15 +34,17 @@ constexpr size_t kDecodingBytesPerPixel = 2 * 3;
 
 // While a view is checked: its geometric and photometric maps and those of the
 // field, angle, confidence and whether it is confirmed; of a confirmed pixel
-// the part of the graph, once in its row and once in the whole.
+// the part of the graph, once in its row and once in the whole. While it is
+// averaged, no more but for the graph.
 constexpr size_t kCheckBytesPerPixel =
     3 * kStereoBytesPerPixel + 2 * sizeof(float) + 1 + 2 * 3 * sizeof(int);
-constexpr size_t kCheckBytesPerPixelAndSource = 2 * sizeof(int);
+constexpr size_t kCheckBytesPerPixelAndView = 2 * sizeof(int);
 
 // Both kinds of maps, three interim ones, one of them with distinctness,
-// confidence, and consistency graphs that are about half full.
+// confidence, and consistency graphs, whose pixels are of five views on
+// average.
 constexpr size_t kDiskBytesPerPixel =
-    5 * kStereoBytesPerPixel + (1 + 1) * sizeof(float) + 16;
+    5 * kStereoBytesPerPixel + (1 + 1) * sizeof(float) + (3 + 5) * sizeof(int);
 
 // Copies of the sparse model, stacks of threads, what the allocator keeps.
 constexpr size_t kOverheadBytes = size_t{64} << 20;
@@ -99,18 +101,20 @@ FixedBytes FixedBytesOf(const StructNerfOptions& options,
                            ? ImagesAtOnce(cameras, -1) * bytes.image
                            : 0;
   // Averaging takes depth alone, of a view and of more others.
-  const size_t averaged_bytes =
+  const size_t num_averaged =
       options.reconstruction.AveragesDepth()
-          ? (options.reconstruction.extraction.averaging_num_views + 1) *
-                sizeof(float)
+          ? std::min<size_t>(
+                cameras.size() - 1,
+                options.reconstruction.extraction.averaging_num_views)
           : 0;
   bytes.min_maps =
       num_pixels *
-      (kDenseBytesPerPixel +
-       std::max((num_sources + 1) * kStereoBytesPerPixel, averaged_bytes));
+      (kDenseBytesPerPixel + std::max((num_sources + 1) * kStereoBytesPerPixel,
+                                      (num_averaged + 1) * sizeof(float)));
   bytes.all_maps = cameras.size() * num_pixels * kStereoBytesPerPixel;
-  bytes.check = num_pixels * (kCheckBytesPerPixel +
-                              num_sources * kCheckBytesPerPixelAndSource);
+  bytes.check =
+      num_pixels * (kCheckBytesPerPixel + std::max(num_sources, num_averaged) *
+                                              kCheckBytesPerPixelAndView);
   return bytes;
 }
 

@@ -358,6 +358,7 @@ void StructNerfController::MakeMaps() {
   maker_options.image_names = image_names_;
   maker_options.mask_path = mask_path_;
   maker_options.matches_views = options_.reconstruction.MatchesViews();
+  maker_options.averages_depth = options_.reconstruction.AveragesDepth();
   maker_options.reuses_maps = checkpoint_.is_complete;
   maker_options.max_bytes = memory_plan_.depth_map_bytes;
   maker_options.extraction = extraction_;
@@ -434,8 +435,11 @@ void StructNerfController::AverageMaps() {
   averaging_options.extraction = extraction_;
   averaging_options.num_threads = options_.reconstruction.training.num_threads;
   StageProgress stage = BeginStage("Averaging depth maps");
-  structnerf::AverageMaps(
+  const std::vector<size_t> num_geometric = structnerf::AverageMaps(
       averaging_options, scene_, averaging_views_, *workspace_, &stage);
+  for (size_t i = 0; i < num_geometric.size(); ++i) {
+    report_.views[i].num_geometric = num_geometric[i];
+  }
 }
 
 void StructNerfController::WriteResults() {

@@ -241,29 +241,25 @@ ReconstructionOptions QualityPreset(const std::string& quality) {
   if (quality == "low") {
     options.training.num_steps = 600;
     MatchViews(1, &options);
-  } else if (quality == "medium") {
+  } else if (quality == "medium" || quality == "high" || quality == "extreme") {
     // Matching needs a field that is right in the coarse. A short training
     // without rest at its end gives that (nerf/EXPERIMENTS.md).
-    options.training.num_steps = 800;
     options.training.final_learning_rate_factor = 0.5;
     options.training.coarse_to_fine_fraction = 0.4;
-    options.training.max_image_size = 480;
+    options.training.max_image_size = quality == "extreme" ? 1600 : 640;
     options.loss.sparse_fraction = 1;
-    options.loss.patch_dilation = 3;
-    options.sampling.num_samples = 32;
-    MatchViews(4, &options);
-  } else if (quality == "high" || quality == "extreme") {
-    // What extreme spends, it spends on more pixels: neither more samples nor
-    // more sweeps nor more steps gain anything (nerf/EXPERIMENTS.md).
-    options.training.num_steps = 1600;
-    options.training.final_learning_rate_factor = 0.5;
-    options.training.coarse_to_fine_fraction = 0.4;
-    options.training.max_image_size = quality == "high" ? 640 : 1600;
-    options.loss.sparse_fraction = 1;
-    options.loss.match_weight = kMatchWeight;
     options.loss.patch_dilation = 6;
     options.sampling.num_samples = 32;
-    MatchViews(2, &options);
+    if (quality == "medium") {
+      options.training.num_steps = 800;
+      MatchViews(3, &options);
+    } else {
+      // What extreme spends, it spends on more pixels: neither more samples nor
+      // more sweeps nor more steps gain anything (nerf/EXPERIMENTS.md).
+      options.training.num_steps = 1600;
+      options.loss.match_weight = kMatchWeight;
+      MatchViews(2, &options);
+    }
   } else if (quality == "paper") {
     options.field.type = "mlp";
     options.sampling.num_samples = 64;

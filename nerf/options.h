@@ -256,7 +256,9 @@ struct ExtractionOptions {
   double max_relative_depth_error = 0.02;
   double max_reprojection_error = 2.0;
 
-  // Views that must confirm a pixel for the geometric maps.
+  // Views that must confirm a pixel for the geometric maps; where depth is
+  // averaged, confirmed depths that a pixel's mean must be of, its own among
+  // them.
   int min_num_consistent = 2;
 
   // Degrees between the ray of a pixel of the geometric maps and that of at

@@ -9,10 +9,17 @@
 namespace structnerf {
 namespace {
 
+// Of a depth that was not averaged.
 constexpr double kIntercept = -0.42;
 constexpr double kInterceptOfMatches = 0.18;
 constexpr double kByLogAngle = 0.73;
-constexpr double kByLogSlope = -0.48;
+
+// Of a mean.
+constexpr double kInterceptOfMeans = -0.04;
+constexpr double kByLogNum = 1.28;  // of one more than there are depths
+constexpr double kBySpread = -86;
+
+constexpr double kByLogSlope = -0.48;  // of both
 
 // Beyond these, nothing more is learned.
 constexpr double kMinAngle = 1.0;  // degrees; also of unconfirmed pixels
@@ -23,18 +30,18 @@ constexpr double kMaxSlope = 30.0;
 // Of differences between pixels so far away on either side, or on one side
 // where only that one has a depth. A pixel on its own is as uncertain as any.
 double LargestSlope(const PinholeCamera& camera,
-                    const DenseMaps& maps,
+                    const std::vector<float>& depths,
                     const int col,
                     const int row,
                     const int offset) {
   // 0 = none.
   const auto depth = [&](const int other_col, const int other_row) {
-    const bool is_inside = other_col >= 0 && other_col < maps.width &&
-                           other_row >= 0 && other_row < maps.height;
+    const bool is_inside = other_col >= 0 && other_col < camera.width &&
+                           other_row >= 0 && other_row < camera.height;
     return is_inside
                ? static_cast<double>(
-                     maps.depth[static_cast<size_t>(other_row) * maps.width +
-                                other_col])
+                     depths[static_cast<size_t>(other_row) * camera.width +
+                            other_col])
                : 0.0;
   };
   const double center = depth(col, row);
@@ -55,36 +62,74 @@ double LargestSlope(const PinholeCamera& camera,
   return largest < 0 ? kMaxSlope : largest;
 }
 
+double ClampedLog(const double value, const double min, const double max) {
+  return std::log(std::clamp(value, min, max));
+}
+
+// `logit(pixel, log_slope)` of all pixels that have a depth, as probabilities.
+template <typename Logit>
+std::vector<float> EstimatePixels(const PinholeCamera& camera,
+                                  const std::vector<float>& depths,
+                                  ThreadPool* pool,
+                                  Progress* progress,
+                                  const Logit& logit) {
+  const int offset = WholePixelsPerReferencePixel(camera);
+  std::vector<float> confidence(depths.size(), 0.0f);
+  const auto estimate_row = [&](const size_t item, int) {
+    const int row = static_cast<int>(item);
+    for (int col = 0; col < camera.width; ++col) {
+      const size_t pixel = item * camera.width + col;
+      if (depths[pixel] > 0) {
+        const double log_slope =
+            ClampedLog(LargestSlope(camera, depths, col, row, offset),
+                       kMinSlope,
+                       kMaxSlope);
+        confidence[pixel] =
+            static_cast<float>(1 / (1 + std::exp(-logit(pixel, log_slope))));
+      }
+    }
+  };
+  WatchedParallelFor(
+      static_cast<size_t>(camera.height), pool, progress, estimate_row);
+  return confidence;
+}
+
 }  // namespace
 
 std::vector<float> EstimateConfidence(const PinholeCamera& camera,
-                                      const DenseMaps& maps,
+                                      const std::vector<float>& depths,
                                       const std::vector<float>& angles,
                                       const bool is_matched,
                                       ThreadPool* pool,
                                       Progress* progress) {
   const double intercept = is_matched ? kInterceptOfMatches : kIntercept;
-  const int offset = WholePixelsPerReferencePixel(camera);
-  std::vector<float> confidence(maps.depth.size(), 0.0f);
-  const auto estimate_row = [&](const size_t item, int) {
-    const int row = static_cast<int>(item);
-    for (int col = 0; col < maps.width; ++col) {
-      const size_t pixel = static_cast<size_t>(row) * maps.width + col;
-      if (maps.depth[pixel] <= 0) {
-        continue;
-      }
-      const double angle =
-          std::clamp(static_cast<double>(angles[pixel]), kMinAngle, kMaxAngle);
-      const double slope = std::clamp(
-          LargestSlope(camera, maps, col, row, offset), kMinSlope, kMaxSlope);
-      const double logit = intercept + kByLogAngle * std::log(angle) +
-                           kByLogSlope * std::log(slope);
-      confidence[pixel] = static_cast<float>(1 / (1 + std::exp(-logit)));
-    }
-  };
-  WatchedParallelFor(
-      static_cast<size_t>(maps.height), pool, progress, estimate_row);
-  return confidence;
+  return EstimatePixels(
+      camera,
+      depths,
+      pool,
+      progress,
+      [&](const size_t pixel, const double log_slope) {
+        return intercept +
+               kByLogAngle * ClampedLog(angles[pixel], kMinAngle, kMaxAngle) +
+               kByLogSlope * log_slope;
+      });
+}
+
+std::vector<float> EstimateConfidence(const PinholeCamera& camera,
+                                      const std::vector<float>& depths,
+                                      const DepthAgreement& agreement,
+                                      ThreadPool* pool,
+                                      Progress* progress) {
+  return EstimatePixels(
+      camera,
+      depths,
+      pool,
+      progress,
+      [&](const size_t pixel, const double log_slope) {
+        return kInterceptOfMeans +
+               kByLogNum * std::log1p(agreement.num_depths[pixel]) +
+               kBySpread * agreement.spread[pixel] + kByLogSlope * log_slope;
+      });
 }
 
 }  // namespace structnerf

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "nerf/dense_maps.h"
+#include "nerf/extract/depth_averaging.h"
 #include "nerf/progress.h"
 #include "nerf/scene.h"
 #include "nerf/util/thread_pool.h"
@@ -23,11 +23,22 @@ constexpr double kConfidentError = 0.05;
 // on whether depth was matched (`is_matched`), because matches err
 // independently, so that a view that confirms one says more. structnerf_eval
 // says how well it predicts on any scene with ground truth. Poses that are
-// wrong as a whole are beyond it. Throws Aborted if told to.
+// wrong as a whole are beyond it.
+//
+// `depths`: as in DenseMaps, of the size of `camera`. Throws Aborted if told
+// to.
 std::vector<float> EstimateConfidence(const PinholeCamera& camera,
-                                      const DenseMaps& maps,
+                                      const std::vector<float>& depths,
                                       const std::vector<float>& angles,
                                       bool is_matched,
+                                      ThreadPool* pool,
+                                      Progress* progress);
+
+// The same for depth that was averaged over views: instead of the angle, the
+// number of depths that a mean is of, and how far they are apart.
+std::vector<float> EstimateConfidence(const PinholeCamera& camera,
+                                      const std::vector<float>& depths,
+                                      const DepthAgreement& agreement,
                                       ThreadPool* pool,
                                       Progress* progress);
 

@@ -1,5 +1,6 @@
 #include "nerf/extract/consistency.h"
 
+#include "nerf/extract/consistency_graph.h"
 #include "nerf/extract/map_resolution.h"
 #include "nerf/pixel_transfer.h"
 #include "nerf/util/median.h"
@@ -8,7 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include <Eigen/LU>
 
@@ -116,10 +116,9 @@ ViewConsistency CheckConsistency(const Scene& scene,
   ViewConsistency consistency;
   consistency.is_confirmed.assign(reference.depth.size(), 0);
   consistency.angles.assign(reference.depth.size(), 0.0f);
-  std::vector<std::vector<int>> graph_rows(reference.height);
+  ConsistencyGraphBuilder graph(reference.height);
   const auto check_row = [&](const size_t item, int) {
     const int row = static_cast<int>(item);
-    std::vector<int>& graph = graph_rows[row];
     std::vector<int> confirming;
     for (int col = 0; col < reference.width; ++col) {
       const size_t pixel = static_cast<size_t>(row) * reference.width + col;
@@ -158,24 +157,15 @@ ViewConsistency CheckConsistency(const Scene& scene,
                                               widest->center,
                                               in_reference);
       consistency.angles[pixel] = static_cast<float>(angle);
-      const int num_confirming = static_cast<int>(confirming.size());
-      if (num_confirming >= options.min_num_consistent &&
+      if (static_cast<int>(confirming.size()) >= options.min_num_consistent &&
           angle >= options.min_triangulation_angle) {
         consistency.is_confirmed[pixel] = 1;
-        graph.insert(graph.end(), {col, row, num_confirming});
-        graph.insert(graph.end(), confirming.begin(), confirming.end());
+        graph.Add(col, row, confirming);
       }
     }
   };
-  WatchedParallelFor(graph_rows.size(), pool, progress, check_row);
-  size_t graph_size = 0;
-  for (const std::vector<int>& row : graph_rows) {
-    graph_size += row.size();
-  }
-  consistency.graph.reserve(graph_size);
-  for (const std::vector<int>& row : graph_rows) {
-    consistency.graph.insert(consistency.graph.end(), row.begin(), row.end());
-  }
+  WatchedParallelFor(reference.height, pool, progress, check_row);
+  consistency.graph = graph.Build();
   return consistency;
 }
 

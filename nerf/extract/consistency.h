@@ -17,9 +17,7 @@ struct ViewConsistency {
   // Row-major.
   std::vector<uint8_t> is_confirmed;
 
-  // Of each of these pixels, row by row: its column, its row, the number of
-  // views that confirm it and their indices into Scene::views, ascending. (As
-  // COLMAP's consistency graphs have it.)
+  // Which views do, of each of these pixels (nerf/extract/consistency_graph.h).
   std::vector<int> graph;
 
   // The largest angle, in degrees, between the ray of a pixel and that of a

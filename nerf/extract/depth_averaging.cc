@@ -1,10 +1,13 @@
 #include "nerf/extract/depth_averaging.h"
 
+#include "nerf/extract/consistency_graph.h"
 #include "nerf/pixel_transfer.h"
 #include "nerf/watched_loop.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 #include <Eigen/Core>
 
@@ -73,45 +76,68 @@ class OtherView {
 
 }  // namespace
 
-void AverageDepth(const Scene& scene,
-                  const std::vector<DenseMaps>& confirmed,
-                  const size_t view_idx,
-                  const std::vector<int>& averaging_view_idxs,
-                  const ExtractionOptions& options,
-                  ThreadPool* pool,
-                  Progress* progress,
-                  std::vector<float>* depth) {
+DepthAgreement AverageDepth(const Scene& scene,
+                            const std::vector<DenseMaps>& confirmed,
+                            const size_t view_idx,
+                            const std::vector<int>& averaging_view_idxs,
+                            const ExtractionOptions& options,
+                            ThreadPool* pool,
+                            Progress* progress,
+                            std::vector<float>* depth) {
   const View& view = scene.views[view_idx];
+  std::vector<int> ascending = averaging_view_idxs;
+  std::sort(ascending.begin(), ascending.end());
   std::vector<OtherView> others;
-  for (const int other_idx : averaging_view_idxs) {
+  for (const int other_idx : ascending) {
     others.emplace_back(view, scene.views[other_idx], confirmed[other_idx]);
   }
-  const auto average_row = [&](const size_t row, int) {
+  ConsistencyGraphBuilder graph(view.camera.height);
+  DepthAgreement agreement;
+  agreement.is_confirmed.assign(depth->size(), 0);
+  agreement.num_depths.assign(depth->size(), 0);
+  agreement.spread.assign(depth->size(), 0.0f);
+  const auto average_row = [&](const size_t item, int) {
+    const int row = static_cast<int>(item);
+    std::vector<int> agreeing;
     for (int col = 0; col < view.camera.width; ++col) {
-      const size_t i = row * view.camera.width + col;
+      const size_t i = item * view.camera.width + col;
       const double own_depth = (*depth)[i];
       if (own_depth <= 0) {
         continue;
       }
-      int count = confirmed[view_idx].depth[i] > 0;
-      double sum = count;
-      for (const OtherView& other : others) {
-        const double ratio =
-            other.RelativeDepth(col,
-                                static_cast<double>(row),
-                                own_depth,
-                                options.averaging_max_depth_error);
+      agreeing.clear();
+      // Of the relative differences from the pixel's own depth.
+      double sum = 0;
+      double sum_of_squares = 0;
+      for (size_t other = 0; other < others.size(); ++other) {
+        const double ratio = others[other].RelativeDepth(
+            col, row, own_depth, options.averaging_max_depth_error);
         if (ratio > 0) {
-          sum += ratio;
-          ++count;
+          sum += ratio - 1;
+          sum_of_squares += (ratio - 1) * (ratio - 1);
+          agreeing.push_back(ascending[other]);
         }
       }
-      if (count > 0) {
-        (*depth)[i] = static_cast<float>(own_depth * sum / count);
+      const int num_depths = static_cast<int>(agreeing.size()) +
+                             (confirmed[view_idx].depth[i] > 0);
+      if (num_depths == 0) {
+        continue;
+      }
+      const double mean = sum / num_depths;
+      const double variance = sum_of_squares / num_depths - mean * mean;
+      (*depth)[i] = static_cast<float>(own_depth * (1 + mean));
+      agreement.num_depths[i] = static_cast<uint16_t>(num_depths);
+      agreement.spread[i] =
+          static_cast<float>(std::sqrt(std::max(0.0, variance)));
+      if (num_depths >= options.min_num_consistent) {
+        agreement.is_confirmed[i] = 1;
+        graph.Add(col, row, agreeing);
       }
     }
   };
   WatchedParallelFor(view.camera.height, pool, progress, average_row);
+  agreement.graph = graph.Build();
+  return agreement;
 }
 
 }  // namespace structnerf

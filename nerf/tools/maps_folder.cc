@@ -227,14 +227,15 @@ MapsSummary ReconstructIntoFolder(
       ReplaceUnconfirmed(is_confirmed[i], fields[i], &maps);
     }
     if (averages_depth) {
-      AverageDepth(poses,
-                   confirmed,
-                   i,
-                   reconstructor.AveragingViews()[i],
-                   extraction,
-                   &pool,
-                   progress,
-                   &maps.depth);
+      is_confirmed[i] = AverageDepth(poses,
+                                     confirmed,
+                                     i,
+                                     reconstructor.AveragingViews()[i],
+                                     extraction,
+                                     &pool,
+                                     progress,
+                                     &maps.depth)
+                            .is_confirmed;
     }
     WriteMaps(folder, name, "photometric", maps);
     summary.num_pixels += maps.depth.size();

@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include <colmap/mvs/consistency_graph.h>
+
 #include <gtest/gtest.h>
 
 namespace structnerf {
@@ -35,6 +37,12 @@ class AverageMapsTest : public testing::Test {
       View& view = scene_.views.emplace_back();
       view.camera = {kWidth, kHeight, 40.0, 40.0, 0.5 * kWidth, 0.5 * kHeight};
       view.cam_from_world_translation = {-0.5 * v, 0, 0};
+    }
+    SetUpMaps();
+  }
+
+  void SetUpMaps() {
+    for (int v = 0; v < 3; ++v) {
       StereoMaps maps{kWidth, kHeight, {}, std::vector<float>(3 * kNumPixels)};
       maps.depth.assign(kNumPixels, kDepths[v]);
       std::fill(maps.normal.begin() + 2 * kNumPixels, maps.normal.end(), -1.0f);
@@ -49,10 +57,11 @@ class AverageMapsTest : public testing::Test {
     }
   }
 
-  void Average() {
+  std::vector<size_t> Average() {
     Progress silent;
     StageProgress stage("Test", &silent);
-    AverageMaps(options_, scene_, {{1, 2}, {0, 2}, {0, 1}}, workspace_, &stage);
+    return AverageMaps(
+        options_, scene_, {{1, 2}, {0, 2}, {0, 1}}, workspace_, &stage);
   }
 
   StereoMaps Read(const int view_idx, const MapType type) const {
@@ -80,15 +89,45 @@ TEST_F(AverageMapsTest, EveryViewHasTheMeanOfWhatTheyHadBefore) {
   }
 }
 
-TEST_F(AverageMapsTest, WhatIsNotConfirmedStaysSo) {
+// Two others confirm what has no confirmed depth of its own.
+TEST_F(AverageMapsTest, GeometricIsWhatEnoughViewsConfirm) {
+  for (const int min_num_consistent : {3, 2}) {
+    SetUpMaps();
+    options_.extraction.min_num_consistent = min_num_consistent;
+    const std::vector<size_t> num_geometric = Average();
+    const float mean = Read(0, MapType::kPhotometric).depth[kUnconfirmedPixel];
+    EXPECT_NEAR(mean, (10.1 + 10.2) / 2, 1e-4);
+    const StereoMaps geometric = Read(0, MapType::kGeometric);
+    const bool is_geometric = min_num_consistent == 2;
+    EXPECT_EQ(geometric.depth[kUnconfirmedPixel], is_geometric ? mean : 0);
+    EXPECT_EQ(geometric.normal[2 * kNumPixels + kUnconfirmedPixel],
+              is_geometric ? -1 : 0);
+    for (int v = 0; v < 3; ++v) {
+      EXPECT_EQ(Read(v, MapType::kGeometric).NumDepths(), num_geometric[v]);
+    }
+  }
+}
+
+TEST_F(AverageMapsTest, GraphAndConfidenceAreOfTheMean) {
+  options_.extraction.min_num_consistent = 3;
   Average();
-  EXPECT_NEAR(Read(0, MapType::kPhotometric).depth[kUnconfirmedPixel],
-              (10.1 + 10.2) / 2,
-              1e-4);
-  const StereoMaps geometric = Read(0, MapType::kGeometric);
-  EXPECT_EQ(geometric.depth[kUnconfirmedPixel], 0);
-  EXPECT_EQ(geometric.normal[2 * kNumPixels + kUnconfirmedPixel], 0);
-  EXPECT_EQ(geometric.NumDepths(), kNumPixels * 3u / 4);
+  colmap::mvs::ConsistencyGraph graph;
+  graph.Read(workspace_.ConsistencyGraphPath("0.png"));
+  const auto num_views = [&](const int pixel) {
+    int num = 0;
+    const int* views = nullptr;
+    graph.GetImageIdxs(pixel / kWidth, pixel % kWidth, &num, &views);
+    return num;
+  };
+  EXPECT_EQ(num_views(kConfirmedPixel), 2);
+  EXPECT_EQ(num_views(kUnconfirmedPixel), 0);
+  const std::vector<float> confidence =
+      workspace_.ReadConfidence("0.png").values;
+  ASSERT_EQ(confidence.size(), static_cast<size_t>(kNumPixels));
+  const float nothing_known = confidence[kHeight / 2 * kWidth];
+  EXPECT_GT(nothing_known, 0);
+  EXPECT_GT(confidence[kConfirmedPixel], nothing_known + 0.1f);
+  EXPECT_GT(confidence[kUnconfirmedPixel], nothing_known + 0.1f);
 }
 
 TEST_F(AverageMapsTest, MemoryDoesNotChangeTheResult) {

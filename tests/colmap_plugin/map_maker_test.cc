@@ -112,6 +112,18 @@ TEST_F(MapMakerTest, WhatIsMaskedHasNoDepth) {
   }
 }
 
+TEST_F(MapMakerTest, WhereDepthIsAveragedItLeavesToThatWhatConfirmsIt) {
+  options_.averages_depth = true;
+  MapMaker maker = Maker();
+  maker.RenderMaps(reconstructor_.get(), &stage_);
+  maker.CompletePlanes(reconstructor_.get(), &stage_);
+  maker.CheckConsistency(reconstructor_->SourceViews(), &stage_);
+  EXPECT_TRUE(
+      fs::exists(workspace_.DepthMapPath("1.png", MapType::kGeometric)));
+  EXPECT_FALSE(fs::exists(workspace_.ConsistencyGraphPath("1.png")));
+  EXPECT_FALSE(fs::exists(workspace_.ConfidencePath("1.png")));
+}
+
 TEST_F(MapMakerTest, WhatNoViewConfirmsHasTheDepthOfTheField) {
   options_.matches_views = true;
   MapMaker maker = Maker();

@@ -101,7 +101,7 @@ TEST(PlanMemory, CountsWhatTheCheckOfAViewHolds) {
   const std::vector<PinholeCamera> cameras(20, {10000, 10000, 1, 1, 0, 0});
   options.max_memory_gb = 28;
   EXPECT_THROW(PlanMemory(options, cameras), std::runtime_error);
-  options.max_memory_gb = 38;
+  options.max_memory_gb = 42;
   EXPECT_NO_THROW(PlanMemory(options, cameras));
 }
 

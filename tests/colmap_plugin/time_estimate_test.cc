@@ -42,15 +42,16 @@ TEST(TimeEstimate, ThreadsShareTheWork) {
   EXPECT_NEAR(EstimateTime(options, kCameras).training, two / 2, 1e-6 * two);
 }
 
-// Runs of this size took 43 and 75 s (README, redkitchen).
+// Runs of this size took 39 and 51 s (README, redkitchen) on a machine that is
+// 1.5 times as fast as the one of the rates.
 TEST(TimeEstimate, IsOfTheRightSize) {
   const std::vector<PinholeCamera> cameras(23, kCameras[0]);
   const double medium = EstimateTime(MakeOptions("medium"), cameras).Total();
-  EXPECT_GT(medium, 43 / 1.3);
-  EXPECT_LT(medium, 43 * 1.3);
+  EXPECT_GT(medium, 58 / 1.3);
+  EXPECT_LT(medium, 58 * 1.3);
   const double high = EstimateTime(MakeOptions("high"), cameras).Total();
-  EXPECT_GT(high, 75 / 1.3);
-  EXPECT_LT(high, 75 * 1.3);
+  EXPECT_GT(high, 76 / 1.3);
+  EXPECT_LT(high, 76 * 1.3);
 }
 
 void ExpectChoice(const double minutes,
@@ -82,10 +83,10 @@ TEST(QualityForTime, SpendsMoreOnLargePhotographs) {
 }
 
 TEST(QualityForTime, SavesSweepsBeforeItTakesALowerQuality) {
-  ExpectChoice(0.5, "medium", 1);
+  ExpectChoice(0.6, "medium", 1);
   // But nothing of the kind where there is no matching.
   StructNerfOptions options = MakeOptions("medium");
-  options.max_minutes = 0.5;
+  options.max_minutes = 0.6;
   options.method = "nerf";
   EXPECT_EQ(QualityForTime(options, kCameras, 1).num_sweeps, 0);
 }

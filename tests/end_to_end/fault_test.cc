@@ -165,7 +165,7 @@ TEST_F(FaultTest, FileSystemThatGrows) {
               0);
   }
   EXPECT_TRUE(ReadResult("disk/dense") == expected_);
-  EXPECT_THAT(stages, IsSupersetOf({"", "Completing", "Checking"}));
+  EXPECT_THAT(stages, IsSupersetOf({"", "Checking", "Fusing"}));
   EXPECT_EQ(umount(disk.c_str()), 0);
 }
 

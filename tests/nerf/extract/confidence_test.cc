@@ -33,7 +33,22 @@ std::vector<float> Estimate(const PinholeCamera& camera,
                             const bool is_matched = false) {
   ThreadPool pool(2);
   Progress progress;
-  return EstimateConfidence(camera, maps, angles, is_matched, &pool, &progress);
+  return EstimateConfidence(
+      camera, maps.depth, angles, is_matched, &pool, &progress);
+}
+
+// Of one pixel at depth 2 of a wall, its mean being of so many depths.
+float ConfidenceOfMean(const int num_depths, const float spread) {
+  DepthAgreement agreement;
+  agreement.num_depths.assign(kWidth * kHeight, num_depths);
+  agreement.spread.assign(kWidth * kHeight, spread);
+  ThreadPool pool(2);
+  Progress progress;
+  return EstimateConfidence(MakeCamera(kWidth, kHeight, 50),
+                            ConstantDepth(2).depth,
+                            agreement,
+                            &pool,
+                            &progress)[15 * kWidth + 20];
 }
 
 // A flat pixel that a view confirms under ten degrees, and one at a slope of 3
@@ -170,11 +185,24 @@ TEST(EstimateConfidence, PixelsOnTheirOwnAreUncertain) {
             among_others - 0.2f);
 }
 
+// On the flat, as the fit to two rooms has them: nothing known, a lone depth,
+// and eight that are half a percent apart.
+TEST(EstimateConfidence, IsWhatWasFittedToMeans) {
+  EXPECT_NEAR(ConfidenceOfMean(0, 0), 0.631, 0.001);
+  EXPECT_NEAR(ConfidenceOfMean(1, 0), 0.806, 0.001);
+  EXPECT_NEAR(ConfidenceOfMean(8, 0.005f), 0.949, 0.001);
+}
+
+TEST(EstimateConfidence, GrowsWithDepthsThatAgree) {
+  EXPECT_GT(ConfidenceOfMean(3, 0.01f), ConfidenceOfMean(2, 0.01f) + 0.02f);
+  EXPECT_GT(ConfidenceOfMean(3, 0.01f), ConfidenceOfMean(3, 0.03f) + 0.1f);
+}
+
 TEST(EstimateConfidence, EndsWhenToldTo) {
   ThreadPool pool(1);
   AbortingProgress progress;
   EXPECT_THROW(EstimateConfidence(MakeCamera(kWidth, kHeight, 50),
-                                  ConstantDepth(2),
+                                  ConstantDepth(2).depth,
                                   ConstantAngle(5),
                                   /*is_matched=*/true,
                                   &pool,

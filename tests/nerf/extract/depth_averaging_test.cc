@@ -7,10 +7,13 @@
 #include <cmath>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 namespace structnerf {
 namespace {
+
+using testing::ElementsAre;
 
 constexpr int kWidth = 40;
 constexpr int kHeight = 30;
@@ -43,10 +46,10 @@ class AverageDepthTest : public testing::Test {
     depth_ = confirmed_[0].depth;
   }
 
-  void Average(const std::vector<int>& view_idxs = {1, 2}) {
+  DepthAgreement Average(const std::vector<int>& view_idxs = {1, 2}) {
     ThreadPool pool(2);
     Progress progress;
-    AverageDepth(
+    return AverageDepth(
         scene_, confirmed_, 0, view_idxs, options_, &pool, &progress, &depth_);
   }
 
@@ -136,6 +139,48 @@ TEST_F(AverageDepthTest, PixelsWithoutDepthStayWithout) {
   confirmed_[0].depth[Middle()] = 0;
   Average();
   EXPECT_EQ(depth_[Middle()], 0);
+}
+
+TEST_F(AverageDepthTest, TellsHowWellDepthsAgree) {
+  MakeMaps({0.98, 1.01, 1.03});
+  const DepthAgreement agreement = Average();
+  EXPECT_EQ(agreement.num_depths[Middle()], 3);
+  // Relative to 0.98: deviations from the mean of -0.0267, 0.0033, 0.0233.
+  EXPECT_NEAR(agreement.spread[Middle()], 0.0210, 5e-4);
+  EXPECT_EQ(agreement.is_confirmed[Middle()], 1);
+  for (size_t i = 0; i < depth_.size(); ++i) {
+    EXPECT_EQ(agreement.is_confirmed[i],
+              agreement.num_depths[i] >= options_.min_num_consistent);
+    if (agreement.num_depths[i] < 2) {
+      EXPECT_EQ(agreement.spread[i], 0);
+    }
+  }
+}
+
+TEST_F(AverageDepthTest, ThePixelItselfCountsOnlyIfItIsConfirmed) {
+  confirmed_[0].depth[Middle()] = 0;
+  EXPECT_EQ(Average().num_depths[Middle()], 2);
+  EXPECT_EQ(Average().is_confirmed[Middle()], 1);
+  options_.min_num_consistent = 3;
+  EXPECT_EQ(Average().is_confirmed[Middle()], 0);
+}
+
+TEST_F(AverageDepthTest, TheGraphHasTheOtherViewsOfConfirmedPixels) {
+  options_.min_num_consistent = 3;
+  const DepthAgreement agreement = Average({2, 1});
+  int num_confirmed = 0;
+  for (auto record = agreement.graph.begin(); record != agreement.graph.end();
+       record += 3 + record[2]) {
+    EXPECT_EQ(agreement.is_confirmed[record[1] * kWidth + record[0]], 1);
+    EXPECT_THAT(std::vector<int>(record + 3, record + 3 + record[2]),
+                ElementsAre(1, 2));
+    ++num_confirmed;
+  }
+  EXPECT_EQ(
+      num_confirmed,
+      std::count(
+          agreement.is_confirmed.begin(), agreement.is_confirmed.end(), 1));
+  EXPECT_GT(num_confirmed, 0);
 }
 
 TEST_F(AverageDepthTest, Aborts) {

@@ -88,7 +88,9 @@ TEST_F(StructnerfTrainTest, MapsAreThoseOfTheMethod) {
     std::fill_n(masked.mask.begin() + row * 48, 24, 0);
   }
   WriteScene(scene_, folder_ / "scene.bin");
-  ASSERT_EQ(Run(kSmallRun), 0) << output_;
+  ASSERT_EQ(Run(std::string(kSmallRun) + " --StructNeRF.averaging_num_views=0"),
+            0)
+      << output_;
   EXPECT_THAT(output_, HasSubstr("40 steps"));
   EXPECT_THAT(output_, HasSubstr("Rendering depth maps"));
   EXPECT_THAT(output_, Not(HasSubstr("longer side")));
@@ -133,6 +135,36 @@ TEST_F(StructnerfTrainTest, MapsAreThoseOfTheMethod) {
   EXPECT_GT(num_geometric, 0u);
   EXPECT_LT(num_geometric, 4u * 48 * 36);
   EXPECT_GT(num_of_field, 0u);
+}
+
+TEST_F(StructnerfTrainTest, DepthIsAveragedOverViews) {
+  WriteScene(scene_, folder_ / "scene.bin");
+  const std::string name = scene_.views[0].name;
+  // Whether two views of a field that has learned so little agree is chance.
+  const std::string lenient_run =
+      std::string(kSmallRun) +
+      " --StructNeRF.averaging_max_depth_error=0.5"
+      " --StructNeRF.min_num_consistent=1 --StructNeRF.averaging_num_views=";
+  ASSERT_EQ(Run(lenient_run + "0"), 0) << output_;
+  const FloatArray own = ReadMap("depth_maps", name + ".photometric", 1);
+  std::filesystem::remove_all(MapsPath());
+
+  ASSERT_EQ(Run(lenient_run + "3"), 0) << output_;
+  const FloatArray mean = ReadMap("depth_maps", name + ".photometric", 1);
+  const FloatArray geometric = ReadMap("depth_maps", name + ".geometric", 1);
+  size_t num_geometric = 0;
+  size_t num_changed = 0;
+  for (size_t pixel = 0; pixel < own.values.size(); ++pixel) {
+    const bool is_changed = mean.values[pixel] != own.values[pixel];
+    const bool is_geometric = geometric.values[pixel] != 0;
+    num_changed += is_changed;
+    num_geometric += is_geometric;
+    if (is_geometric) {
+      EXPECT_EQ(geometric.values[pixel], mean.values[pixel]);
+    }
+  }
+  EXPECT_GT(num_changed, own.values.size() / 10);
+  EXPECT_GT(num_geometric, own.values.size() / 10);
 }
 
 TEST_F(StructnerfTrainTest, SaysWhatIsWrongAndWritesNothing) {
