@@ -66,7 +66,8 @@ double ClampedLog(const double value, const double min, const double max) {
   return std::log(std::clamp(value, min, max));
 }
 
-// `logit(pixel, log_slope)` of all pixels that have a depth, as probabilities.
+// The probabilities of all pixels that have a depth. `logit(pixel)`: what of
+// their logit is not due to the slope.
 template <typename Logit>
 std::vector<float> EstimatePixels(const PinholeCamera& camera,
                                   const std::vector<float>& depths,
@@ -80,12 +81,12 @@ std::vector<float> EstimatePixels(const PinholeCamera& camera,
     for (int col = 0; col < camera.width; ++col) {
       const size_t pixel = item * camera.width + col;
       if (depths[pixel] > 0) {
-        const double log_slope =
-            ClampedLog(LargestSlope(camera, depths, col, row, offset),
-                       kMinSlope,
-                       kMaxSlope);
+        const double slope = LargestSlope(camera, depths, col, row, offset);
+        const double whole_logit =
+            logit(pixel) +
+            kByLogSlope * ClampedLog(slope, kMinSlope, kMaxSlope);
         confidence[pixel] =
-            static_cast<float>(1 / (1 + std::exp(-logit(pixel, log_slope))));
+            static_cast<float>(1 / (1 + std::exp(-whole_logit)));
       }
     }
   };
@@ -104,14 +105,9 @@ std::vector<float> EstimateConfidence(const PinholeCamera& camera,
                                       Progress* progress) {
   const double intercept = is_matched ? kInterceptOfMatches : kIntercept;
   return EstimatePixels(
-      camera,
-      depths,
-      pool,
-      progress,
-      [&](const size_t pixel, const double log_slope) {
+      camera, depths, pool, progress, [&](const size_t pixel) {
         return intercept +
-               kByLogAngle * ClampedLog(angles[pixel], kMinAngle, kMaxAngle) +
-               kByLogSlope * log_slope;
+               kByLogAngle * ClampedLog(angles[pixel], kMinAngle, kMaxAngle);
       });
 }
 
@@ -121,14 +117,10 @@ std::vector<float> EstimateConfidence(const PinholeCamera& camera,
                                       ThreadPool* pool,
                                       Progress* progress) {
   return EstimatePixels(
-      camera,
-      depths,
-      pool,
-      progress,
-      [&](const size_t pixel, const double log_slope) {
+      camera, depths, pool, progress, [&](const size_t pixel) {
         return kInterceptOfMeans +
                kByLogNum * std::log1p(agreement.num_depths[pixel]) +
-               kBySpread * agreement.spread[pixel] + kByLogSlope * log_slope;
+               kBySpread * agreement.spread[pixel];
       });
 }
 
