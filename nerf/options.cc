@@ -132,7 +132,7 @@ bool LossOptions::Check(std::string* error) const {
       .In("patch_weight", patch_weight, 0.0, kAnyWeight)
       .In("patch_ssim_share", patch_ssim_share, 0.0, 1.0)
       .In("patch_radius", patch_radius, 0, 3)
-      .In("patch_dilation", patch_dilation, 1, 16)
+      .InOrFromScene("patch_dilation", patch_dilation, 1, 16)
       .OneOf("patch_sampling", patch_sampling, {"dense", "keypoints"})
       .OneOf(
           "source_selection", source_selection, {"covisibility", "neighbors"})
@@ -248,7 +248,7 @@ ReconstructionOptions QualityPreset(const std::string& quality) {
     options.training.coarse_to_fine_fraction = 0.4;
     options.training.max_image_size = quality == "extreme" ? 1600 : 640;
     options.loss.sparse_fraction = 1;
-    options.loss.patch_dilation = 6;
+    options.loss.patch_dilation = kFromScene;
     options.sampling.num_samples = 32;
     if (quality == "medium") {
       options.training.num_steps = 800;

@@ -25,6 +25,9 @@ constexpr double kCellsPerEntry = 4;
 constexpr int kMinLog2TableSize = 12;
 constexpr int kMaxLog2TableSize = 21;
 
+constexpr int kMaxPatchDilation = 6;
+constexpr double kSizeOfMaxPatchDilation = 640;  // pixels
+
 template <typename... Values>
 std::string Text(const char* format, const Values... values) {
   char text[160];
@@ -46,17 +49,20 @@ SceneDecision DescribeBox(const Scene& scene, const SceneFrame& frame) {
                100.0 * num_inside / scene.points.size())};
 }
 
-// What a pixel of the training images, as they are or, if they are not loaded,
-// will be, covers at the median depth of the scene, in field units; the median
-// over the views.
+// Of a training image, as it is or, if it is not loaded, will be.
+PinholeCamera TrainingCamera(const View& view, const int max_image_size) {
+  return view.image.data.empty() ? view.camera.Reduced(max_image_size)
+                                 : view.ImageCamera();
+}
+
+// What a pixel of the training images covers at the median depth of the scene,
+// in field units; the median over the views.
 double PixelFootprint(const Scene& scene,
                       const SceneFrame& frame,
                       const int max_image_size) {
   std::vector<double> footprints;
   for (const View& view : scene.views) {
-    const PinholeCamera camera = view.image.data.empty()
-                                     ? view.camera.Reduced(max_image_size)
-                                     : view.ImageCamera();
+    const PinholeCamera camera = TrainingCamera(view, max_image_size);
     footprints.push_back(frame.median_depth / std::sqrt(camera.fx * camera.fy));
   }
   return Median(&footprints);
@@ -114,6 +120,26 @@ SceneDecision ChooseTableSize(const Scene& scene,
         num_cells);
   }
   decision.choice = Text("2^%d entries a level", field->log2_table_size);
+  return decision;
+}
+
+SceneDecision ChoosePatchDilation(const Scene& scene,
+                                  const int max_image_size,
+                                  LossOptions* loss) {
+  SceneDecision decision{"patches", "", "as told"};
+  if (loss->patch_dilation == kFromScene) {
+    std::vector<double> sizes;
+    for (const View& view : scene.views) {
+      const PinholeCamera camera = TrainingCamera(view, max_image_size);
+      sizes.push_back(std::max(camera.width, camera.height));
+    }
+    const double size = Median(&sizes);
+    loss->patch_dilation = static_cast<int>(std::ceil(
+        kMaxPatchDilation * std::min(1.0, size / kSizeOfMaxPatchDilation)));
+    decision.reason =
+        Text("training images have %.0f pixels along their longer side", size);
+  }
+  decision.choice = Text("taps %d pixels apart", loss->patch_dilation);
   return decision;
 }
 
@@ -221,6 +247,8 @@ SceneAnalysis AnalyzeScene(const Scene& scene,
     analysis.decisions.push_back(ChooseNumLevels(&field));
     analysis.decisions.push_back(ChooseTableSize(scene, frame, &field));
   }
+  analysis.decisions.push_back(ChoosePatchDilation(
+      scene, options.training.max_image_size, &analysis.options.loss));
   analysis.decisions.push_back(
       DescribeSamples(scene, frame, options.sampling.num_samples));
   if (HasPhotographs(scene)) {

@@ -68,6 +68,7 @@ std::vector<Setting> AllowedSettings() {
       SETTING(loss, patch_ssim_share, 1.0),
       SETTING(loss, patch_radius, 0),
       SETTING(loss, patch_radius, 3),
+      SETTING(loss, patch_dilation, kFromScene),
       SETTING(loss, patch_dilation, 1),
       SETTING(loss, patch_dilation, 16),
       SETTING(loss, patch_sampling, "keypoints"),

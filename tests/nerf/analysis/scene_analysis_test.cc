@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -106,11 +107,32 @@ TEST(AnalyzeScene, GrowthBetweenLevelsIsLimited) {
   }
 }
 
+TEST(AnalyzeScene, PatchesCoverAsMuchOfSmallPhotographs) {
+  ReconstructionOptions options = PresetOf(1600);
+  options.loss.patch_dilation = kFromScene;
+  for (const auto& [width, dilation] : {std::pair(16, 1),
+                                        std::pair(320, 3),
+                                        std::pair(480, 5),
+                                        std::pair(640, 6),
+                                        std::pair(1600, 6)}) {
+    const SceneAnalysis analysis = AnalyzeScene(WallScene(4, width), options);
+    EXPECT_EQ(analysis.options.loss.patch_dilation, dilation);
+    EXPECT_THAT(ChoiceOf(analysis, "patches"),
+                HasSubstr(std::to_string(dilation) + " pixels apart"));
+    EXPECT_THAT(ChoiceOf(analysis, "patches"),
+                HasSubstr(std::to_string(width) + " pixels along"));
+  }
+  options.training.max_image_size = 320;
+  EXPECT_EQ(
+      AnalyzeScene(WallScene(4, 1600), options).options.loss.patch_dilation, 3);
+}
+
 TEST(AnalyzeScene, DoesWhatItIsTold) {
   ReconstructionOptions options = PresetOf(320);
   options.field.max_resolution = 100;
   options.field.num_levels = 7;
   options.field.log2_table_size = 11;
+  options.loss.patch_dilation = 7;
   const SceneAnalysis analysis = AnalyzeScene(WallScene(4, 640), options);
   EXPECT_EQ(analysis.options.field.max_resolution, 100);
   EXPECT_EQ(analysis.options.field.num_levels, 7);
@@ -119,15 +141,19 @@ TEST(AnalyzeScene, DoesWhatItIsTold) {
             "100 cells along the box (as told)");
   EXPECT_EQ(ChoiceOf(analysis, "grid levels"), "7 (as told)");
   EXPECT_EQ(ChoiceOf(analysis, "grid table"), "2^11 entries a level (as told)");
+  EXPECT_EQ(ChoiceOf(analysis, "patches"), "taps 7 pixels apart (as told)");
 }
 
 TEST(AnalyzeScene, TwiceIsOnce) {
   const Scene scene = WallScene(4, 640);
-  const ReconstructionOptions once = AnalyzeScene(scene, PresetOf(320)).options;
+  ReconstructionOptions options = PresetOf(320);
+  options.loss.patch_dilation = kFromScene;
+  const ReconstructionOptions once = AnalyzeScene(scene, options).options;
   const ReconstructionOptions twice = AnalyzeScene(scene, once).options;
   EXPECT_EQ(twice.field.max_resolution, once.field.max_resolution);
   EXPECT_EQ(twice.field.num_levels, once.field.num_levels);
   EXPECT_EQ(twice.field.log2_table_size, once.field.log2_table_size);
+  EXPECT_EQ(twice.loss.patch_dilation, once.loss.patch_dilation);
 }
 
 TEST(AnalyzeScene, ExtremesStayWithinWhatIsAllowed) {
