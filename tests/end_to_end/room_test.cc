@@ -127,6 +127,7 @@ TEST_F(RoomTest, TellsWhatTheSceneDecided) {
                                    "finest grid level",
                                    "grid levels",
                                    "grid table",
+                                   "patches",
                                    "samples",
                                    "view-dependent colour",
                                    "source views",
