@@ -27,8 +27,7 @@ struct SceneAnalysis {
 // - field.log2_table_size: one entry for four to eight cells that surfaces pass
 //   through at the finest level. As many share one without harm, since coarser
 //   levels tell them apart.
-// - loss.patch_dilation: patches cover the same part of a photograph of any
-// size
+// - loss.patch_dilation: patches cover the same part of photographs of any size
 //   up to 640 pixels; in larger ones, as many pixels.
 //
 // Options that are given stay as they are. Photographs are not needed; if they
