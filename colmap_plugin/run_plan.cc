@@ -102,11 +102,7 @@ FixedBytes FixedBytesOf(const StructNerfOptions& options,
                            : 0;
   // Averaging takes depth alone, of a view and of more others.
   const size_t num_averaged =
-      options.reconstruction.AveragesDepth()
-          ? std::min<size_t>(
-                cameras.size() - 1,
-                options.reconstruction.extraction.averaging_num_views)
-          : 0;
+      options.reconstruction.NumAveragedViews(cameras.size());
   bytes.min_maps =
       num_pixels *
       (kDenseBytesPerPixel + std::max((num_sources + 1) * kStereoBytesPerPixel,

@@ -69,11 +69,7 @@ TimeEstimate EstimateTime(const StructNerfOptions& options,
       method.stereo.num_iterations > 0 ? method.stereo.num_iterations + 1 : 0;
   const double completed_pixels =
       method.CompletesPlanes() ? training_pixels : 0;
-  const size_t num_averaged =
-      method.AveragesDepth()
-          ? std::min(cameras.size() - 1,
-                     static_cast<size_t>(method.extraction.averaging_num_views))
-          : 0;
+  const size_t num_averaged = method.NumAveragedViews(cameras.size());
   const double num_threads =
       colmap::GetEffectiveNumThreads(method.training.num_threads);
   TimeEstimate estimate;

@@ -225,6 +225,13 @@ bool ReconstructionOptions::AveragesDepth() const {
   return MatchesViews() && extraction.averaging_num_views > 0;
 }
 
+size_t ReconstructionOptions::NumAveragedViews(const size_t num_views) const {
+  return AveragesDepth()
+             ? std::min(num_views - 1,
+                        static_cast<size_t>(extraction.averaging_num_views))
+             : 0;
+}
+
 bool ReconstructionOptions::LearnsFromMatches() const {
   return MatchesViews() && loss.match_weight > 0;
 }

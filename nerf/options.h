@@ -298,6 +298,9 @@ struct ReconstructionOptions {
   // the field has the same error in all of them.
   bool AveragesDepth() const;
 
+  // Other views, at most, that depth is averaged over in a scene of so many.
+  size_t NumAveragedViews(size_t num_views) const;
+
   // Whether the field learns from what is matched.
   bool LearnsFromMatches() const;
 
