@@ -302,7 +302,6 @@ void StructNerfController::LoadScene() {
   for (const View& view : scene.views) {
     scene_.views.push_back(PoseOf(view));
   }
-  extraction_ = FitToScene(method.extraction, scene);
   EndIfToldTo();  // what comes now takes long and does not ask
   reconstructor_ = std::make_unique<Reconstructor>(
       std::move(scene),
@@ -361,7 +360,7 @@ void StructNerfController::MakeMaps() {
   maker_options.averages_depth = options_.reconstruction.AveragesDepth();
   maker_options.reuses_maps = checkpoint_.is_complete;
   maker_options.max_bytes = memory_plan_.depth_map_bytes;
-  maker_options.extraction = extraction_;
+  maker_options.extraction = options_.reconstruction.extraction;
   maker_options.num_threads = options_.reconstruction.training.num_threads;
   MapMaker maker(maker_options, &scene_, workspace_.get(), journal_.get());
 
@@ -432,7 +431,7 @@ void StructNerfController::AverageMaps() {
   MapAveragingOptions averaging_options;
   averaging_options.image_names = image_names_;
   averaging_options.max_bytes = memory_plan_.depth_map_bytes;
-  averaging_options.extraction = extraction_;
+  averaging_options.extraction = options_.reconstruction.extraction;
   averaging_options.num_threads = options_.reconstruction.training.num_threads;
   StageProgress stage = BeginStage("Averaging depth maps");
   const std::vector<size_t> num_geometric = structnerf::AverageMaps(

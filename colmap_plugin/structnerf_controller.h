@@ -106,7 +106,6 @@ class StructNerfController : public colmap::BaseController {
 
   // Cameras and poses only; the reconstructor has pixels and points.
   Scene scene_;
-  ExtractionOptions extraction_;  // fitted to the scene
   std::vector<std::vector<int>> averaging_views_;
   std::unique_ptr<Reconstructor> reconstructor_;
 

@@ -30,13 +30,14 @@ class Progress {
   virtual void Report(const ProgressUpdate& update);
 
   // Polled at least every 200 ms; where the field is NeRF's own networks, every
-  // training step or batch of rays, which take seconds to minutes there. Once
-  // true, training ends with what it has learned and later stages still run,
-  // unless ShouldAbort() is true as well.
+  // training step or batch of rays, which take seconds to minutes there; while
+  // views are matched in the midst of training, once per view. Once true,
+  // training ends with what it has learned and later stages still run, unless
+  // ShouldAbort() is true as well.
   virtual bool ShouldStop();
 
-  // Polled as often. Once true, the work ends as soon as possible by throwing
-  // Aborted.
+  // Polled at least every 200 ms or batch of rays. Once true, the work ends as
+  // soon as possible by throwing Aborted.
   virtual bool ShouldAbort();
 
   // Asked of work that aborts: whether it shall save what it has done, if it

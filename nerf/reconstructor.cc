@@ -3,6 +3,7 @@
 #include "nerf/analysis/scene_analysis.h"
 #include "nerf/engine/hierarchical_sampling.h"
 #include "nerf/engine/scene_engine_options.h"
+#include "nerf/extract/consistency.h"
 #include "nerf/extract/preview_renderer.h"
 #include "nerf/field/field_file.h"
 #include "nerf/field/mlp_layout.h"
@@ -127,6 +128,8 @@ class Reconstructor::Impl {
       throw std::invalid_argument(
           "test_every leaves fewer than two images to train on");
     }
+    options.extraction =
+        FitToScene(options.extraction, scene, train_view_idxs.size());
     // Held-out views must not guide others.
     sources =
         SelectSourceViews(scene, options.loss.num_sources, train_view_idxs);
@@ -161,6 +164,7 @@ class Reconstructor::Impl {
           std::make_unique<PlaneCompletion>(scene,
                                             frame,
                                             objective->Views(),
+                                            train_view_idxs,
                                             sources,
                                             options.stereo.window_radius);
     }
@@ -282,10 +286,14 @@ void Reconstructor::Train(Progress* progress,
                   impl_->options,
                   impl_->engine.get(),
                   match_views);
-  PreviewRenderer previews(impl_->scene,
-                           impl_->frame,
-                           impl_->objective->Views(),
-                           impl_->engine.get());
+  PreviewRenderer previews(
+      impl_->scene,
+      impl_->frame,
+      impl_->objective->Views(),
+      SelectAppearances(impl_->scene.views.size(),
+                        impl_->test_view_idxs,
+                        impl_->options.training.latent_test),
+      impl_->engine.get());
   impl_->summary = trainer.Run(progress, &previews, &checkpoints, max_seconds);
   impl_->summary.guard_counts.insert(impl_->findings.counts.begin(),
                                      impl_->findings.counts.end());

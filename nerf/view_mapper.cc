@@ -12,14 +12,18 @@
 namespace structnerf {
 namespace {
 
-// Views as large as their training images, without these.
+// Views as large as their training images, without the colours of these.
 Scene AtTrainingSize(const Scene& scene) {
   Scene result;
   for (const View& view : scene.views) {
-    result.views.push_back(PoseOf(view));
-    result.views.back().camera = view.ImageCamera();
-    result.views.back().segments = view.segments;
-    result.views.back().mask = view.mask;
+    View& reduced = result.views.emplace_back(PoseOf(view));
+    reduced.camera = view.ImageCamera();
+    reduced.image.width = view.image.width;
+    reduced.image.height = view.image.height;
+    reduced.segments = view.segments;
+    reduced.mask = view.mask;
+    reduced.near_depth = view.near_depth;
+    reduced.far_depth = view.far_depth;
   }
   return result;
 }
@@ -101,8 +105,12 @@ std::shared_ptr<const MatchedDepth> ViewMapper::Match(
   std::vector<DenseMaps> maps(scene.views.size());
   std::unique_ptr<PlaneCompletion> planes;
   if (options_.CompletesPlanes()) {
-    planes = std::make_unique<PlaneCompletion>(
-        scene, frame_, views_, sources_, options_.stereo.window_radius);
+    planes = std::make_unique<PlaneCompletion>(scene,
+                                               frame_,
+                                               views_,
+                                               view_idxs,
+                                               sources_,
+                                               options_.stereo.window_radius);
   }
   ProgressUpdate update;
   update.stage = "Matching views";
@@ -127,6 +135,9 @@ std::shared_ptr<const MatchedDepth> ViewMapper::Match(
   if (planes != nullptr) {
     planes->FindPlanes(pool_, &silent);
     for (const int view_idx : view_idxs) {
+      if (progress->ShouldStop()) {
+        return nullptr;
+      }
       maps[view_idx].normal.resize(3 * maps[view_idx].depth.size());
       planes->Complete(view_idx, pool_, &maps[view_idx]);
       KeepOnlyDepth(&maps[view_idx]);
@@ -140,7 +151,6 @@ std::shared_ptr<const MatchedDepth> ViewMapper::ConfirmedDepth(
     const std::vector<int>& view_idxs,
     const std::vector<DenseMaps>& maps,
     Progress* progress) const {
-  const ExtractionOptions extraction = FitToScene(options_.extraction, scene_);
   const auto confirmed = std::make_shared<MatchedDepth>(maps.size());
   for (const int view_idx : view_idxs) {
     const std::vector<uint8_t> is_confirmed =
@@ -148,7 +158,7 @@ std::shared_ptr<const MatchedDepth> ViewMapper::ConfirmedDepth(
                          maps,
                          view_idx,
                          sources_[view_idx],
-                         extraction,
+                         options_.extraction,
                          pool_,
                          progress)
             .is_confirmed;

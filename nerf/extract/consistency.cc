@@ -185,10 +185,11 @@ void ReplaceUnconfirmed(const std::vector<uint8_t>& is_confirmed,
 }
 
 ExtractionOptions FitToScene(const ExtractionOptions& options,
-                             const Scene& scene) {
+                             const Scene& scene,
+                             const size_t num_sources) {
   ExtractionOptions fitted = options;
-  fitted.min_num_consistent = std::min(
-      options.min_num_consistent, static_cast<int>(scene.views.size()) - 1);
+  fitted.min_num_consistent =
+      std::min(options.min_num_consistent, static_cast<int>(num_sources) - 1);
   std::vector<Eigen::Vector3d> centers;
   for (const View& view : scene.views) {
     centers.push_back(view.ProjectionCenter());

@@ -6,6 +6,7 @@
 #include "nerf/scene.h"
 #include "nerf/util/thread_pool.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -47,9 +48,11 @@ void ReplaceUnconfirmed(const std::vector<uint8_t>& is_confirmed,
                         DenseMaps* maps);
 
 // The options for a scene that offers less than they ask for: at most all other
-// views must confirm a pixel, and under at most half the median of the angles
-// under which its sparse points are seen.
+// of the `num_sources` views that may confirm others must confirm a pixel, and
+// under at most half the median of the angles under which the sparse points are
+// seen.
 ExtractionOptions FitToScene(const ExtractionOptions& options,
-                             const Scene& scene);
+                             const Scene& scene,
+                             size_t num_sources);
 
 }  // namespace structnerf

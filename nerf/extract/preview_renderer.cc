@@ -20,8 +20,13 @@ uint8_t ByteFromUnit(const float value) {
 PreviewRenderer::PreviewRenderer(const Scene& scene,
                                  const SceneFrame& frame,
                                  const TrainingViews& views,
+                                 std::vector<Appearance> appearances,
                                  RenderEngine* engine)
-    : scene_(scene), frame_(frame), views_(views), engine_(engine) {}
+    : scene_(scene),
+      frame_(frame),
+      views_(views),
+      appearances_(std::move(appearances)),
+      engine_(engine) {}
 
 void PreviewRenderer::RenderIfWanted(const double training_seconds,
                                      Progress* progress) {
@@ -55,7 +60,7 @@ Preview PreviewRenderer::Render(const int view_idx) const {
       RenderPixelCenters(view,
                          view.camera.Resized(preview.width, preview.height),
                          frame_,
-                         kNoAppearance,
+                         appearances_[view_idx],
                          engine_,
                          &silent);
   rendered.Expose(view.exposure);

@@ -5,6 +5,9 @@
 #include "nerf/scene.h"
 #include "nerf/scene_frame.h"
 #include "nerf/train/training_views.h"
+#include "nerf/view_selection.h"
+
+#include <vector>
 
 namespace structnerf {
 
@@ -19,10 +22,11 @@ class PreviewRenderer {
   // Most of the training time that previews take.
   static constexpr double kMaxTimeShare = 0.04;
 
-  // All must outlive this object.
+  // All but `appearances` (of each view) must outlive this object.
   PreviewRenderer(const Scene& scene,
                   const SceneFrame& frame,
                   const TrainingViews& views,
+                  std::vector<Appearance> appearances,
                   RenderEngine* engine);
 
   // `training_seconds`: time since training began, previews included.
@@ -34,6 +38,7 @@ class PreviewRenderer {
   const Scene& scene_;
   const SceneFrame& frame_;
   const TrainingViews& views_;
+  const std::vector<Appearance> appearances_;
   RenderEngine* const engine_;
   double seconds_ = 0;       // spent so far
   double last_seconds_ = 0;  // by the last preview

@@ -45,11 +45,13 @@ void ForEachView(const size_t num_views,
 PlaneCompletion::PlaneCompletion(const Scene& scene,
                                  const SceneFrame& frame,
                                  const TrainingViews& views,
+                                 const std::vector<int>& voter_idxs,
                                  const std::vector<std::vector<int>>& sources,
                                  const int window_radius)
     : scene_(scene),
       frame_(frame),
       views_(views),
+      voter_idxs_(voter_idxs),
       sources_(sources),
       border_(window_radius + 1),
       plane_views_(scene.views.size()) {}
@@ -90,7 +92,9 @@ void PlaneCompletion::AddView(const int view_idx,
       }
     }
   }
-  SampleNormals(view_idx, planes, distinct);
+  if (std::binary_search(voter_idxs_.begin(), voter_idxs_.end(), view_idx)) {
+    SampleNormals(view_idx, planes, distinct);
+  }
 }
 
 void PlaneCompletion::SampleNormals(const int view_idx,
@@ -223,7 +227,7 @@ std::vector<ChosenPlane> PlaneCompletion::ChoosePlanes(
     const std::vector<std::vector<std::vector<PlaneHypothesis>>>& hypotheses)
     const {
   PlaneVotes votes(plane_views_[view_idx], hypotheses[view_idx]);
-  for (const int other : SelectVoters(view_idx, sources_)) {
+  for (const int other : SelectVoters(view_idx, voter_idxs_, sources_)) {
     if (!hypotheses[other].empty()) {
       votes.Count(
           MakeWarp(view_idx, other), plane_views_[other], hypotheses[other]);

@@ -26,13 +26,16 @@ namespace structnerf {
 // a pixel takes the one that most other views name as well.
 //
 // Use: AddView for all views, then FindPlanes, then Complete for each. Views
-// that were not added have no say and are not completed.
+// that were not added are not completed.
 class PlaneCompletion {
  public:
-  // All arguments must outlive this object. `sources`: source views of each.
+  // All arguments must outlive this object. `voter_idxs`: the views that have a
+  // say in the planes of others, ascending. `sources`: source views of each,
+  // which are among these.
   PlaneCompletion(const Scene& scene,
                   const SceneFrame& frame,
                   const TrainingViews& views,
+                  const std::vector<int>& voter_idxs,
                   const std::vector<std::vector<int>>& sources,
                   int window_radius);
 
@@ -68,11 +71,12 @@ class PlaneCompletion {
   const Scene& scene_;
   const SceneFrame& frame_;
   const TrainingViews& views_;
+  const std::vector<int>& voter_idxs_;
   const std::vector<std::vector<int>>& sources_;
   const int border_;
   std::vector<PlaneView> plane_views_;
 
-  // Of some distinct pixels.
+  // Of some distinct pixels of the views that have a say.
   struct NormalSample {
     int view_idx = -1;
     uint32_t pixel = 0;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace structnerf {
 namespace {
@@ -52,14 +53,14 @@ int PlaneLattice::CenterRow(const int cell_row) const {
 }
 
 std::vector<int> SelectVoters(const int view_idx,
+                              const std::vector<int>& candidates,
                               const std::vector<std::vector<int>>& sources) {
   std::vector<int> voters;
-  if (sources.size() <= kMaxVoters + 1) {
-    for (int other = 0; other < static_cast<int>(sources.size()); ++other) {
-      if (other != view_idx) {
-        voters.push_back(other);
-      }
-    }
+  if (candidates.size() <= kMaxVoters + 1) {
+    std::remove_copy(candidates.begin(),
+                     candidates.end(),
+                     std::back_inserter(voters),
+                     view_idx);
     return voters;
   }
   std::vector<uint8_t> is_known(sources.size(), 0);

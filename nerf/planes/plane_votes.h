@@ -47,11 +47,13 @@ struct ChosenPlane {
   PlaneHypothesis plane;
 };
 
-// The views that vote on the planes of a view: all others of a small scene;
-// else kMaxVoters that are found by going from a view to its sources, to
-// theirs, and so on. `sources`: source views of each view.
+// The views that vote on the planes of a view, out of `candidates` (ascending):
+// all others of them if they are few; else kMaxVoters that are found by going
+// from a view to its sources, to theirs, and so on. `sources`: source views of
+// each view, which are candidates.
 constexpr size_t kMaxVoters = 64;
 std::vector<int> SelectVoters(int view_idx,
+                              const std::vector<int>& candidates,
                               const std::vector<std::vector<int>>& sources);
 
 // Lets other views vote on which of the planes of a view's segments are right.

@@ -17,13 +17,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// "folder" of "folder/" and "folder/.", so that a name can be put beside it.
+std::string WithoutSlash(const std::string& path) {
+  const fs::path normal = fs::path(path).lexically_normal();
+  return (normal.has_filename() ? normal : normal.parent_path()).string();
+}
+
 // A folder beside the one that is wanted, until it is complete.
 class PartialFolder {
  public:
   explicit PartialFolder(const std::string& path)
-      : path_(path), partial_path_(path + ".partial") {
-    if (fs::exists(path)) {
-      throw std::runtime_error("The folder " + path +
+      : path_(WithoutSlash(path)), partial_path_(path_ + ".partial") {
+    if (fs::exists(path_)) {
+      throw std::runtime_error("The folder " + path_ +
                                " exists already; give another one.");
     }
     std::error_code error;
@@ -135,6 +141,23 @@ std::string ImageSizeWarning(const std::vector<View>& views,
   return "";
 }
 
+// If `exposure` asks for what the scene does not have; else empty.
+std::string ExposureWarning(const std::vector<View>& views,
+                            const std::string& exposure) {
+  const bool has_exposures =
+      std::any_of(views.begin(), views.end(), [](const View& view) {
+        return view.exposure.gain != Eigen::Vector3f::Ones() ||
+               view.exposure.offset != Eigen::Vector3f::Zero();
+      });
+  return exposure == "none" || has_exposures
+             ? ""
+             : "The scene takes the exposures of all images to be equal, so "
+               "--StructNeRF.exposure " +
+                   exposure +
+                   " changes nothing; they are measured when a scene is "
+                   "exported with that option.";
+}
+
 // The maps before other views have confirmed them, of all views. With matching,
 // `fields` receives those of the field.
 std::vector<DenseMaps> RenderMaps(const std::vector<View>& views,
@@ -149,7 +172,7 @@ std::vector<DenseMaps> RenderMaps(const std::vector<View>& views,
         options.MatchesViews() ? &fields->emplace_back() : nullptr;
     all_maps.push_back(reconstructor->RenderView(i, &view_progress, field));
     if (field != nullptr) {
-      field->relative_std = {};
+      field->relative_std = std::vector<float>();
     }
     reconstructor->AddMaps(i, all_maps.back());
     ReportItems("Rendering depth maps", i + 1, views.size(), progress);
@@ -160,8 +183,8 @@ std::vector<DenseMaps> RenderMaps(const std::vector<View>& views,
   for (size_t i = 0; i < views.size(); ++i) {
     DenseMaps& maps = all_maps[i];
     reconstructor->CompletePlanes(i, &maps);
-    maps.relative_std = {};
-    maps.distinctness = {};
+    maps.relative_std = std::vector<float>();
+    maps.distinctness = std::vector<float>();
     ApplyMask(views[i], &maps);
     ReportItems(completion_name, i + 1, views.size(), progress);
   }
@@ -185,9 +208,11 @@ MapsSummary ReconstructIntoFolder(
     pose.image.height = view.image.height;
     pose.mask = view.mask;
   }
-  const ExtractionOptions extraction = FitToScene(options.extraction, scene);
+  const std::string exposure_warning =
+      ExposureWarning(scene.views, options.loss.exposure);
   Reconstructor reconstructor(std::move(scene), options, make_engine);
   std::vector<std::string> warnings = reconstructor.Warnings();
+  warnings.push_back(exposure_warning);
   warnings.push_back(
       ImageSizeWarning(poses.views, options.training.max_image_size));
   for (const std::string& warning : warnings) {
@@ -204,6 +229,7 @@ MapsSummary ReconstructIntoFolder(
   std::vector<DenseMaps> all_maps =
       RenderMaps(poses.views, &reconstructor, &fields, progress);
   ThreadPool pool(options.training.num_threads);
+  const ExtractionOptions& extraction = reconstructor.Options().extraction;
   std::vector<std::vector<uint8_t>> is_confirmed;
   for (size_t i = 0; i < all_maps.size(); ++i) {
     is_confirmed.push_back(CheckConsistency(poses,

@@ -39,8 +39,6 @@ void TakeConfirmed(const Reconstructor& reconstructor,
                    const Scene& scene,
                    std::vector<DenseMaps>* matched,
                    std::vector<DenseMaps>* field) {
-  const ExtractionOptions options =
-      FitToScene(reconstructor.Options().extraction, scene);
   ThreadPool pool(1);
   Progress progress;
   std::vector<std::vector<uint8_t>> is_confirmed;
@@ -49,7 +47,7 @@ void TakeConfirmed(const Reconstructor& reconstructor,
                                             *matched,
                                             v,
                                             reconstructor.SourceViews()[v],
-                                            options,
+                                            reconstructor.Options().extraction,
                                             &pool,
                                             &progress)
                                .is_confirmed);

@@ -206,7 +206,9 @@ TEST(CheckConsistency, PointsBehindASourceAreNotConfirmed) {
     depth = -depth;
   }
   test.options.min_num_consistent = 1;
-  for (const auto& [pixel, view_idxs] : test.Find({1, 2})) {
+  const auto found = test.Find({1, 2});
+  EXPECT_FALSE(found.empty());
+  for (const auto& [pixel, view_idxs] : found) {
     EXPECT_THAT(view_idxs, ElementsAre(1));
   }
 }
@@ -326,13 +328,15 @@ TEST(FitToScene, AsksForNoMoreThanTheSceneOffers) {
   // Points that were found once say nothing about angles.
   point.track = {{0, {20, 15}}};
   test.scene.points.assign(5, point);
-  EXPECT_EQ(FitToScene(test.options, test.scene).min_triangulation_angle, 4);
+  EXPECT_EQ(FitToScene(test.options, test.scene, 3).min_triangulation_angle, 4);
   point.track = {{0, {20, 15}}, {1, {20, 15}}};
   test.scene.points.push_back(point);
-  const ExtractionOptions fitted = FitToScene(test.options, test.scene);
+  const ExtractionOptions fitted = FitToScene(test.options, test.scene, 3);
   EXPECT_NEAR(
       fitted.min_triangulation_angle, 0.5 * AngleAtMiddle(test, 1), 1e-6);
   EXPECT_EQ(fitted.min_num_consistent, 2);
+  // A view that is held out confirms none.
+  EXPECT_EQ(FitToScene(test.options, test.scene, 2).min_num_consistent, 1);
 }
 
 }  // namespace

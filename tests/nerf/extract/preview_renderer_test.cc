@@ -50,8 +50,12 @@ class PreviewRendererTest : public testing::Test {
                                 plane_.normal.dot(direction));
     };
     engine_.color = {1.0f, 0.5f, -0.1f};
-    previews_ =
-        std::make_unique<PreviewRenderer>(scene_, frame_, *views_, &engine_);
+    previews_ = std::make_unique<PreviewRenderer>(
+        scene_,
+        frame_,
+        *views_,
+        std::vector<Appearance>{{4, 4}, {5, 6}},
+        &engine_);
   }
 
   TexturedPlane plane_;
@@ -89,6 +93,15 @@ TEST_F(PreviewRendererTest, ShowsWhatTheFieldRenders) {
   }
 }
 
+TEST_F(PreviewRendererTest, ShowsColorsWithTheLatentCodesOfTheView) {
+  engine_.depth = [](const RayTile& rays, const int ray) {
+    EXPECT_EQ(rays.appearance[0][ray], 5);
+    EXPECT_EQ(rays.appearance[1][ray], 6);
+    return 0.5f;
+  };
+  EXPECT_FALSE(previews_->Render(1).color.empty());
+}
+
 TEST_F(PreviewRendererTest, ShowsColorsAsThePhotographIsExposed) {
   scene_.views[1].exposure.gain = {0.5f, 0.5f, 1};
   scene_.views[1].exposure.offset = {0.25f, 0, 2};
@@ -104,7 +117,9 @@ TEST_F(PreviewRendererTest, SmallPhotographsKeepTheirSize) {
   }
   const TrainingViews views(scene_, frame_);
   const Preview preview =
-      PreviewRenderer(scene_, frame_, views, &engine_).Render(0);
+      PreviewRenderer(
+          scene_, frame_, views, {kNoAppearance, kNoAppearance}, &engine_)
+          .Render(0);
   EXPECT_EQ(preview.width, 15);
   EXPECT_EQ(preview.height, 40);
   EXPECT_EQ(preview.photograph, std::vector<uint8_t>(3 * 15 * 40, 77));

@@ -20,9 +20,11 @@ struct Completed {
 
 Completed Complete(const Room& room,
                    const int num_threads = 2,
-                   const size_t num_added = 5) {
+                   const size_t num_added = 5,
+                   const std::vector<int>& voter_idxs = {0, 1, 2, 3, 4}) {
   const TrainingViews views(room.scene, room.frame);
-  PlaneCompletion completion(room.scene, room.frame, views, room.sources, 5);
+  PlaneCompletion completion(
+      room.scene, room.frame, views, voter_idxs, room.sources, 5);
   ThreadPool pool(num_threads);
   Completed result;
   result.maps = room.maps;
@@ -252,6 +254,31 @@ TEST(PlaneCompletion, ViewsThatWereNotAddedAreLeftOut) {
   EXPECT_EQ(result.maps[4].depth, room.maps[4].depth);
 }
 
+TEST(PlaneCompletion, ViewsWithoutASayAreCompletedAlone) {
+  const std::vector<int> voter_idxs = {0, 1, 2, 3};
+  Room room = MakeRoom(160, 80);
+  for (std::vector<int>& of_view : room.sources) {
+    of_view.erase(std::remove(of_view.begin(), of_view.end(), 4),
+                  of_view.end());
+  }
+  const Completed expected = Complete(room, 2, 5, voter_idxs);
+  EXPECT_GT(expected.num_pixels[4], 0u);
+  Room other = room;
+  for (size_t i = 0; i < other.maps[4].depth.size(); ++i) {
+    other.maps[4].depth[i] *= 1.0f + 0.001f * static_cast<float>(i % 160);
+  }
+  const Completed with_other = Complete(other, 2, 5, voter_idxs);
+  const Completed with_its_say = Complete(other);
+  bool has_influence = false;
+  for (size_t v = 0; v < 4; ++v) {
+    EXPECT_GT(expected.num_pixels[v], 0u);
+    EXPECT_EQ(with_other.maps[v].depth, expected.maps[v].depth);
+    EXPECT_EQ(with_other.maps[v].normal, expected.maps[v].normal);
+    has_influence |= with_its_say.maps[v].depth != expected.maps[v].depth;
+  }
+  EXPECT_TRUE(has_influence);
+}
+
 TEST(PlaneCompletion, EndsBetweenViewsWhenTold) {
   class AbortLater : public Progress {
    public:
@@ -260,7 +287,9 @@ TEST(PlaneCompletion, EndsBetweenViewsWhenTold) {
   };
   const Room room = MakeRoom(160, 80);
   const TrainingViews views(room.scene, room.frame);
-  PlaneCompletion completion(room.scene, room.frame, views, room.sources, 5);
+  const std::vector<int> voter_idxs = {0, 1, 2, 3, 4};
+  PlaneCompletion completion(
+      room.scene, room.frame, views, voter_idxs, room.sources, 5);
   ThreadPool pool(1);
   for (size_t v = 0; v < room.maps.size(); ++v) {
     completion.AddView(static_cast<int>(v), room.maps[v], &pool);

@@ -1,6 +1,7 @@
 #include "nerf/planes/plane_votes.h"
 
 #include <algorithm>
+#include <numeric>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -26,17 +27,30 @@ std::vector<std::vector<int>> SourcesInARow(const int num_views) {
   return sources;
 }
 
+std::vector<int> FirstNumbers(const int count) {
+  std::vector<int> numbers(count);
+  std::iota(numbers.begin(), numbers.end(), 0);
+  return numbers;
+}
+
 TEST(SelectVoters, AreAllOthersOfASmallScene) {
-  EXPECT_THAT(SelectVoters(1, SourcesInARow(4)), ElementsAre(0, 2, 3));
+  EXPECT_THAT(SelectVoters(1, {0, 1, 2, 3}, SourcesInARow(4)),
+              ElementsAre(0, 2, 3));
   // Whether or not they are anybody's source.
-  EXPECT_THAT(SelectVoters(2, {{}, {}, {}}), ElementsAre(0, 1));
-  EXPECT_THAT(SelectVoters(0, SourcesInARow(static_cast<int>(kMaxVoters) + 1)),
+  EXPECT_THAT(SelectVoters(2, {0, 1, 2}, {{}, {}, {}}), ElementsAre(0, 1));
+  // Of those that have a say.
+  EXPECT_THAT(SelectVoters(1, {0, 1, 3}, {{}, {}, {}, {}}), ElementsAre(0, 3));
+  EXPECT_THAT(SelectVoters(2, {0, 1, 3}, {{}, {}, {}, {}}),
+              ElementsAre(0, 1, 3));
+  constexpr int kNumFew = static_cast<int>(kMaxVoters) + 1;
+  EXPECT_THAT(SelectVoters(0, FirstNumbers(kNumFew), SourcesInARow(kNumFew)),
               SizeIs(kMaxVoters));
 }
 
 TEST(SelectVoters, AreTheNearestOfALargeScene) {
   constexpr int kMiddle = 500;
-  const std::vector<int> voters = SelectVoters(kMiddle, SourcesInARow(1000));
+  const std::vector<int> voters =
+      SelectVoters(kMiddle, FirstNumbers(1000), SourcesInARow(1000));
   EXPECT_THAT(voters, SizeIs(kMaxVoters));
   EXPECT_EQ(std::count(voters.begin(), voters.end(), kMiddle), 0);
   const int reach = static_cast<int>(kMaxVoters) / 2;
@@ -48,8 +62,9 @@ TEST(SelectVoters, AreFewerWhereNoSourceLeadsFarther) {
   std::vector<std::vector<int>> sources(1000);
   sources[3] = {7, 9};
   sources[9] = {3, 11};
-  EXPECT_THAT(SelectVoters(3, sources), ElementsAre(7, 9, 11));
-  EXPECT_THAT(SelectVoters(0, sources), SizeIs(0));
+  EXPECT_THAT(SelectVoters(3, FirstNumbers(1000), sources),
+              ElementsAre(7, 9, 11));
+  EXPECT_THAT(SelectVoters(0, FirstNumbers(1000), sources), SizeIs(0));
 }
 
 TEST(PlaneLattice, CoversTheView) {

@@ -202,6 +202,43 @@ TEST_F(StructnerfTrainTest, WarnsOfImagesOfAnotherQuality) {
   EXPECT_THAT(warnings, HasSubstr("has 32; export"));
 }
 
+TEST_F(StructnerfTrainTest, WarnsOfExposuresThatTheSceneDoesNotHave) {
+  ReconstructionOptions options = SmallRun();
+  options.training.num_steps = 1;
+  Progress progress;
+  std::string warnings;
+  const auto run = [&](const std::string& path) {
+    warnings.clear();
+    ReconstructIntoFolder(
+        scene_,
+        options,
+        MakeGridEngine,
+        path,
+        [&](const std::string& warning) { warnings += warning; },
+        &progress);
+  };
+  run(folder_ / "none");
+  EXPECT_THAT(warnings, Not(HasSubstr("exposure")));
+  options.loss.exposure = "auto";
+  run(folder_ / "auto");
+  EXPECT_THAT(warnings,
+              HasSubstr("--StructNeRF.exposure auto changes nothing"));
+  scene_.views[0].exposure.offset.x() = 0.1f;
+  run(folder_ / "with");
+  EXPECT_THAT(warnings, Not(HasSubstr("exposure")));
+}
+
+TEST_F(StructnerfTrainTest, FoldersMayEndInASlash) {
+  WriteScene(scene_, folder_ / "scene.bin");
+  const std::string path = folder_ / "parent/with_slash";
+  ASSERT_EQ(Run(std::string(kSmallRun) + " --output_path='" + path + "/'"), 0)
+      << output_;
+  EXPECT_TRUE(std::filesystem::exists(path + "/stereo/depth_maps"));
+  EXPECT_EQ(Run(std::string(kSmallRun) + " --output_path='" + path + "/.'"),
+            EXIT_FAILURE);
+  EXPECT_THAT(output_, HasSubstr("exists already"));
+}
+
 TEST_F(StructnerfTrainTest, AbortingLeavesNothing) {
   class AbortingProgress : public Progress {
    public:
