@@ -188,6 +188,10 @@ bool StereoOptions::Check(std::string* error) const {
       .In("window_step", window_step, 1, 10)
       .Require(window_step < 1 || 2 * window_radius / window_step + 1 <= 11,
                "window_radius may be at most 5 times window_step")
+      .Require(
+          window_step <= 2 * window_radius,
+          "window_step may be at most twice window_radius: a window of one "
+          "pixel matches anything")
       .In("num_used_sources", num_used_sources, 1, 32)
       .In("num_best_sources", num_best_sources, 1, 32)
       .In("perturbation", perturbation, 0.0, 1.0)

@@ -166,8 +166,8 @@ TEST(OptionTable, RangesAreThoseOfTheMethod) {
   StructNerfOptions widest;
   widest.reconstruction.field.min_resolution = 2;
   widest.reconstruction.field.max_resolution = 65536;
-  widest.reconstruction.stereo.window_step = 4;
-  widest.reconstruction.stereo.window_radius = 1;
+  widest.reconstruction.stereo.window_step = 2;
+  widest.reconstruction.stereo.window_radius = 5;
   widest.reconstruction.sampling.guide_by_prior = true;
   widest.reconstruction.field.type = "mlp";
   widest.prior_path = "maps";

@@ -276,6 +276,17 @@ TEST(ReconstructionOptions, WindowsOfTooManyTapsAreRefused) {
   EXPECT_THAT(error, HasSubstr("window_radius"));
 }
 
+TEST(ReconstructionOptions, WindowsOfOneTapAreRefused) {
+  ReconstructionOptions options;
+  std::string error;
+  options.stereo.window_radius = 2;
+  options.stereo.window_step = 4;
+  EXPECT_TRUE(options.Check(&error)) << error;
+  options.stereo.window_step = 5;
+  EXPECT_FALSE(options.Check(&error));
+  EXPECT_THAT(error, HasSubstr("window_step"));
+}
+
 TEST(ReconstructionOptions, OnePriorPullsAtARay) {
   ReconstructionOptions options;
   options.loss.prior_weight = 0.1;
