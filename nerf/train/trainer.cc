@@ -172,7 +172,7 @@ TrainingSummary Trainer::Run(Progress* progress,
     }
     if (progress->ShouldStop()) {
       summary.stopped_early = true;
-      if (!state.first_round.grid.empty()) {
+      if (!state.first_round.network.empty()) {
         engine_->Restore(state.first_round);
       }
       break;

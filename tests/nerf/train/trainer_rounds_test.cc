@@ -62,12 +62,12 @@ TEST_F(TrainerTest, StoppedEarlyInTheSecondRoundTheBetterFieldStays) {
        {std::pair(90, false), std::pair(110, true), std::pair(190, false)}) {
     SCOPED_TRACE(stop_at);
     engine_ = FakeEngine();
-    engine_.parameters.grid = {1.5f};
+    engine_.parameters.network = {1.5f};
     progress_ = RecordingProgress();
     progress_.stop_at = stop_at;
     EXPECT_EQ(Run().num_steps, stop_at);
     EXPECT_EQ(engine_.restore_steps.size(), goes_back ? 1u : 0u);
-    EXPECT_EQ(engine_.parameters.grid.empty(), stop_at == 190);
+    EXPECT_EQ(engine_.parameters.network.empty(), stop_at == 190);
   }
 }
 
