@@ -137,7 +137,9 @@ SceneFindings InspectScene(const Scene& scene,
   }
   SceneFindings findings;
   findings.counts["contradictory_point"] = num_contradictory;
-  if (num_contradictory > kManyContradictions * scene.points.size()) {
+  // Of all points, those that were removed included.
+  const size_t num_points_before = scene.points.size() + num_contradictory;
+  if (num_contradictory > kManyContradictions * num_points_before) {
     findings.warnings.push_back(
         std::to_string(num_contradictory) +
         " sparse points do not project to where the images saw them; poses and "
