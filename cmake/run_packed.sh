@@ -59,12 +59,16 @@ import torch
 
 root = os.path.dirname(torch.__file__)
 abi = int(torch.compiled_with_cxx11_abi())
+version = tuple(int(part) for part in torch.__version__.split(".")[:2])
+# The headers of later ones refuse C++17.
+standard = 17 if version < (2, 12) else 20
 print(f"""
 add_library(torch_of_python INTERFACE IMPORTED)
 set_target_properties(torch_of_python PROPERTIES
   INTERFACE_INCLUDE_DIRECTORIES
     "{root}/include;{root}/include/torch/csrc/api/include"
   INTERFACE_COMPILE_DEFINITIONS _GLIBCXX_USE_CXX11_ABI={abi}
+  INTERFACE_COMPILE_FEATURES cxx_std_{standard}
   INTERFACE_LINK_LIBRARIES "{root}/lib/libtorch_cpu.so;{root}/lib/libc10.so"
   # What these two need in turn is found when a program starts.
   INTERFACE_LINK_OPTIONS -Wl,--allow-shlib-undefined)

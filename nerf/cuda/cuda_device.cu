@@ -55,6 +55,7 @@ CudaDevice::CudaDevice() : stream_(std::make_unique<Stream>()) {
     error = cudaStreamCreate(&stream_->stream);
   }
   if (error != cudaSuccess) {
+    cudaGetLastError();  // else the next device would be said to have failed
     // CUDA's own words for this would say that there is a driver.
     const std::string reason = error == cudaErrorInsufficientDriver
                                    ? "its driver is missing or too old"
@@ -125,7 +126,9 @@ template void CudaDevice::Launch(const DenseBackwardWeightsKernel&, size_t);
 template void CudaDevice::Launch(const DenseForwardKernel&, size_t);
 template void CudaDevice::Launch(const GridBackwardKernel&, size_t);
 template void CudaDevice::Launch(const GridEncodeKernel&, size_t);
+template void CudaDevice::Launch(const LargestGradientKernel&, size_t);
 template void CudaDevice::Launch(const SumChunksKernel&, size_t);
 template void CudaDevice::Launch(const SumGroupsKernel&, size_t);
+template void CudaDevice::Launch(const TransposeKernel&, size_t);
 
 }  // namespace structnerf

@@ -10,8 +10,9 @@ namespace structnerf {
 
 // The kernels of nerf/kernels/dense_layer.h, y = x w + b, one call per element
 // of the result. All matrices are row-major; rows are samples. At the widths of
-// a field's networks, the weights stay in the first-level cache, neighbouring
-// threads read neighbouring columns of them, and the same element of x.
+// a field's networks, the weights stay in the first-level cache, and
+// neighbouring threads read neighbouring columns of them and the same element
+// of the other factor.
 
 enum class Activation { kNone, kRectify, kSigmoid };
 
@@ -45,14 +46,26 @@ struct DenseForwardKernel {
   }
 };
 
+// Call i writes element i of `transposed`, num_columns x num_rows: the first
+// num_columns of a matrix with rows of `stride` elements.
+struct TransposeKernel {
+  const float* matrix;
+  uint32_t num_rows;
+  uint32_t stride;
+  float* transposed;
+
+  STRUCTNERF_HOST_DEVICE void operator()(const size_t i) const {
+    transposed[i] = matrix[i % num_rows * stride + i / num_rows];
+  }
+};
+
 // dx = dy w^T. Call i writes element i of dx, rows x num_inputs.
 struct DenseBackwardInputKernel {
-  const float* dy;          // rows x num_outputs
-  const float* w;           // num_inputs x w_stride
-  const float* activation;  // rectified x: dx is zero where it is; or null
+  const float* dy;            // rows x num_outputs
+  const float* w_transposed;  // num_outputs x num_inputs
+  const float* activation;    // rectified x: dx is zero where it is; or null
   uint32_t num_inputs;
   uint32_t num_outputs;
-  uint32_t w_stride;
   float* dx;
 
   STRUCTNERF_HOST_DEVICE void operator()(const size_t i) const {
@@ -63,10 +76,9 @@ struct DenseBackwardInputKernel {
     const size_t row = i / num_inputs;
     const uint32_t column = static_cast<uint32_t>(i % num_inputs);
     const float* const outputs = dy + row * num_outputs;
-    const float* const weights = w + column * w_stride;
     float sum = 0;
     for (uint32_t k = 0; k < num_outputs; ++k) {
-      sum += outputs[k] * weights[k];
+      sum += outputs[k] * w_transposed[k * num_inputs + column];
     }
     dx[i] = sum;
   }

@@ -3,6 +3,7 @@
 #include "nerf/cuda/dense_layer-inl.h"
 #include "nerf/cuda/device_buffer.h"
 #include "nerf/cuda/grid_encoding-inl.h"
+#include "nerf/engine/ray_tile.h"
 #include "nerf/field/field_layout.h"
 #include "nerf/kernels/color_compositing.h"
 #include "nerf/kernels/compositing.h"
@@ -25,6 +26,11 @@ struct DeviceBatch {
   explicit DeviceBatch(Device* device) : device(device) {}
 
   size_t NumSamples() const { return num_rays * samples_per_ray; }
+
+  // Rays are taken by kMaxTileRays, no matter to which tiles they belong.
+  size_t NumTiles() const {
+    return (num_rays + kMaxTileRays - 1) / kMaxTileRays;
+  }
 
   // Makes room for points, whose density is all that can be asked for. On
   // DeviceOutOfMemory, as for rays, the batch is of no further use.
@@ -72,6 +78,9 @@ struct DeviceBatch {
       d_direction_hidden.Reserve(num_rays * layout.hidden_width);
       d_geometry.Reserve(n * kGeometryWidth);
       d_encoding.Reserve(n * layout.encoding_width);
+      largest_gradient.Reserve(n);
+      largest_of_tile.Reserve(NumTiles());
+      transposed.Reserve(layout.num_network_parameters);
       d_network.Reserve(DenseBackwardWeightsKernel::NumChunks(n) *
                         layout.num_network_parameters);
     }
@@ -128,6 +137,9 @@ struct DeviceBatch {
   Buffer d_direction_hidden{device};  // rays x hidden_width
   Buffer d_geometry{device};          // kGeometryWidth
   Buffer d_encoding{device};          // encoding_width
+  Buffer largest_gradient{device};    // see LargestGradientKernel
+  Buffer largest_of_tile{device};     // NumTiles()
+  Buffer transposed{device};          // weights of one layer
   Buffer d_network{device};           // chunks x num_network_parameters
 };
 

@@ -8,6 +8,7 @@
 #include "nerf/cuda/grid_encoding-inl.h"
 #include "nerf/field/field_layout.h"
 #include "nerf/kernels/adam.h"
+#include "nerf/kernels/grid_gradient.h"
 #include "nerf/util/state_stream.h"
 
 #include <stdexcept>
@@ -94,14 +95,27 @@ class DeviceField {
                                             batch->d_raw_density.data()},
                     num_rays);
     networks_.Backward(batch, network_.gradient.data());
+    const uint32_t width = static_cast<uint32_t>(layout_.encoding_width);
+    const uint32_t tile_points =
+        static_cast<uint32_t>(kMaxTileRays * batch->samples_per_ray);
+    batch->largest_of_tile.Clear(batch->NumTiles());
+    device_->Launch(LargestGradientKernel{batch->d_encoding.data(),
+                                          width,
+                                          tile_points,
+                                          batch->largest_gradient.data(),
+                                          batch->largest_of_tile.data()},
+                    n);
     const DeviceGrid grid = MakeGrid(level_weights);
-    device_->Launch(
-        GridBackwardKernel{grid,
-                           batch->Points(),
-                           batch->d_encoding.data(),
-                           static_cast<uint32_t>(layout_.encoding_width),
-                           grid_.gradient.data()},
-        n * grid.num_levels);
+    device_->Launch(GridBackwardKernel{grid,
+                                       batch->Points(),
+                                       batch->d_encoding.data(),
+                                       width,
+                                       batch->largest_gradient.data(),
+                                       batch->largest_of_tile.data(),
+                                       tile_points,
+                                       kNegligibleGradient,
+                                       grid_.gradient.data()},
+                    n * grid.num_levels);
   }
 
   // See RenderEngine::Update. The rate of the network includes the correction

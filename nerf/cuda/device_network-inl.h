@@ -156,13 +156,18 @@ class DeviceNetwork {
                      const float* dy,
                      const float* activation,
                      const size_t num_rows,
-                     float* dx) const {
+                     float* dx,
+                     Batch* batch) const {
+    device_->Launch(TransposeKernel{values_ + block.offset,
+                                    block.num_inputs,
+                                    block.stride,
+                                    batch->transposed.data()},
+                    static_cast<size_t>(block.num_inputs) * block.num_outputs);
     device_->Launch(DenseBackwardInputKernel{dy,
-                                             values_ + block.offset,
+                                             batch->transposed.data(),
                                              activation,
                                              block.num_inputs,
                                              block.num_outputs,
-                                             block.stride,
                                              dx},
                     num_rows * block.num_inputs);
   }
@@ -185,7 +190,8 @@ class DeviceNetwork {
                   batch->d_color.data(),
                   batch->color_hidden.data(),
                   n,
-                  batch->d_hidden.data());
+                  batch->d_hidden.data(),
+                  batch);
     const Block geometry = {
         layout_.color_hidden.weights, kGeometryWidth, width, width};
     BackwardWeights(geometry,
@@ -206,8 +212,12 @@ class DeviceNetwork {
                     batch->num_rays,
                     /*has_biases=*/true,
                     batch);
-    BackwardInput(
-        geometry, batch->d_hidden.data(), nullptr, n, batch->d_geometry.data());
+    BackwardInput(geometry,
+                  batch->d_hidden.data(),
+                  nullptr,
+                  n,
+                  batch->d_geometry.data(),
+                  batch);
   }
 
   // d_geometry -> d_encoding.
@@ -226,7 +236,8 @@ class DeviceNetwork {
                   batch->d_geometry.data(),
                   batch->density_hidden.data(),
                   n,
-                  batch->d_hidden.data());
+                  batch->d_hidden.data(),
+                  batch);
     const Block hidden = {
         layout_.density_hidden.weights,
         static_cast<uint32_t>(layout_.density_hidden.num_inputs),
@@ -238,8 +249,12 @@ class DeviceNetwork {
                     n,
                     /*has_biases=*/true,
                     batch);
-    BackwardInput(
-        hidden, batch->d_hidden.data(), nullptr, n, batch->d_encoding.data());
+    BackwardInput(hidden,
+                  batch->d_hidden.data(),
+                  nullptr,
+                  n,
+                  batch->d_encoding.data(),
+                  batch);
   }
 
   const FieldLayout& layout_;

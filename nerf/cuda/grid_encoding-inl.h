@@ -2,6 +2,7 @@
 
 #include "nerf/cuda/host_device.h"
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -101,21 +102,54 @@ struct GridEncodeKernel {
   }
 };
 
+// Call i writes the largest number, by its absolute value, of the gradient of
+// point i, and makes the largest of all points of its tile no less.
+struct LargestGradientKernel {
+  const float* d_encoding;  // points x encoding_width
+  uint32_t encoding_width;
+  uint32_t tile_points;
+  float* largest;          // points
+  float* largest_of_tile;  // zero before
+
+  STRUCTNERF_HOST_DEVICE void operator()(const size_t i) const {
+    float value = 0;
+    for (uint32_t f = 0; f < encoding_width; ++f) {
+      const float magnitude = fabsf(d_encoding[i * encoding_width + f]);
+      value = magnitude > value ? magnitude : value;  // never NaN
+    }
+    largest[i] = value;
+    AtomicMax(value, largest_of_tile + i / tile_points);
+  }
+};
+
 // Adds to the gradient of the table what call point * num_levels + level has
-// for it.
+// for it. Points whose gradient is not larger than a share of the largest of
+// their tile add nothing.
 struct GridBackwardKernel {
   DeviceGrid grid;
   DevicePoints points;
   const float* d_encoding;  // points x encoding_width
   uint32_t encoding_width;
+  const float* largest;  // see LargestGradientKernel
+  const float* largest_of_tile;
+  uint32_t tile_points;
+  float negligible_share;
   float* gradient;  // entries x kDeviceFeatures
 
   STRUCTNERF_HOST_DEVICE void operator()(const size_t i) const {
     const size_t point = i / grid.num_levels;
+    if (!(largest[point] >
+          negligible_share * largest_of_tile[point / tile_points])) {
+      return;
+    }
     const uint32_t level_idx = static_cast<uint32_t>(i % grid.num_levels);
     const DeviceGridLevel& level = grid.levels[level_idx];
-    const float* const d_features =
-        d_encoding + point * encoding_width + level_idx * kDeviceFeatures;
+    // `gradient` might be the same memory for all that the compiler knows.
+    float d_features[kDeviceFeatures];
+    for (uint32_t f = 0; f < kDeviceFeatures; ++f) {
+      d_features[f] =
+          d_encoding[point * encoding_width + level_idx * kDeviceFeatures + f];
+    }
     const GridCell cell(level, points, point);
     for (int corner = 0; corner < 8; ++corner) {
       float* const to = gradient + (level.first_entry + cell.entries[corner]) *

@@ -26,6 +26,24 @@ STRUCTNERF_HOST_DEVICE inline void AtomicAdd(const float value, float* sum) {
 #endif
 }
 
+// *largest = max(*largest, value), likewise. Neither may be negative or NaN.
+STRUCTNERF_HOST_DEVICE inline void AtomicMax(const float value,
+                                             float* largest) {
+#ifdef __CUDA_ARCH__
+  // Such numbers are ordered as their bits are.
+  atomicMax(reinterpret_cast<unsigned*>(largest), __float_as_uint(value));
+#else
+  float before;
+  __atomic_load(largest, &before, __ATOMIC_RELAXED);
+  float after = value;
+  while (
+      before < value &&
+      !__atomic_compare_exchange(
+          largest, &before, &after, true, __ATOMIC_RELAXED, __ATOMIC_RELAXED)) {
+  }
+#endif
+}
+
 // *flag = 1, likewise.
 STRUCTNERF_HOST_DEVICE inline void AtomicSet(uint32_t* flag) {
 #ifdef __CUDA_ARCH__

@@ -15,10 +15,6 @@ namespace {
 // then stay in the first-level cache.
 constexpr size_t kCornerChunk = 128;
 
-// Share of a tile's largest gradient below which one is rounding. Adam would
-// turn it into a step of full size.
-constexpr float kNegligible = 1e-7f;
-
 float LevelWeight(const std::vector<float>& level_weights, const size_t level) {
   return level_weights.empty() ? 1.0f : level_weights[level];
 }
@@ -168,8 +164,11 @@ size_t FusedGrid::SetTileGradient(const size_t tile,
                                   const int thread) {
   Scratch& scratch = *scratch_[thread];
   const size_t width = layout_.encoding_width;
-  const size_t num_selected = SelectSamples(
-      d_encoding, num_samples, width, kNegligible, scratch.selected.data());
+  const size_t num_selected = SelectSamples(d_encoding,
+                                            num_samples,
+                                            width,
+                                            kNegligibleGradient,
+                                            scratch.selected.data());
   const float* const coordinates[3] = {x, y, z};
   for (int axis = 0; axis < 3; ++axis) {
     for (size_t i = 0; i < num_selected; ++i) {

@@ -25,6 +25,10 @@ struct CornerPair {
   float weights[2];
 };
 
+// Share of a tile's largest gradient below which one is rounding. Adam would
+// turn it into a step of full size.
+constexpr float kNegligibleGradient = 1e-7f;
+
 // Lists the samples whose gradient matters: those with a number larger than
 // `share` of the largest of all. Returns their count.
 //   d_encoding: samples x width, width a multiple of 16.

@@ -32,7 +32,8 @@ struct TrainingState {
 
 // The checkpoints of one training. Learning rates, level weights and the rays
 // that are drawn follow from options and step, so that training goes on from a
-// checkpoint as if it had not been interrupted, to the last bit.
+// checkpoint as if it had not been interrupted, to the last bit; on a graphics
+// card, up to rounding.
 //
 // Two are kept, because the newest can be damaged. A file has the run it
 // belongs to, the states of training, guards and engine, and a checksum over

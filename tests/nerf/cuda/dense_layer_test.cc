@@ -86,6 +86,14 @@ TYPED_TEST(DenseLayerKernelsTest, DenseForwardOfSomeColumns) {
       y_d->Download(6), {410.5, 520.25, 630, -0.5, -1.75, -3}, 1e-4);
 }
 
+TYPED_TEST(DenseLayerKernelsTest, TransposeOfSomeColumns) {
+  const auto matrix = this->Upload({1, 2, 9, 3, 4, 9, 5, 6, 9});
+  const auto transposed = this->Upload(std::vector<float>(6));
+  this->device_->Launch(
+      TransposeKernel{matrix->data(), 3, 3, transposed->data()}, 6);
+  EXPECT_EQ(transposed->Download(6), std::vector<float>({1, 3, 5, 2, 4, 6}));
+}
+
 TYPED_TEST(DenseLayerKernelsTest, DenseBackward) {
   constexpr uint32_t kInputs = 32;
   constexpr uint32_t kOutputs = 16;
@@ -105,13 +113,17 @@ TYPED_TEST(DenseLayerKernelsTest, DenseBackward) {
       w_transposed[j * kInputs + i] = w[i * kOutputs + j];
     }
   }
+  const auto w_transposed_d = this->Upload(std::vector<float>(w.size()));
+  this->device_->Launch(
+      TransposeKernel{w_d->data(), kInputs, kOutputs, w_transposed_d->data()},
+      w.size());
+  ASSERT_EQ(w_transposed_d->Download(w.size()), w_transposed);
   for (const bool is_masked : {false, true}) {
     this->device_->Launch(
         DenseBackwardInputKernel{dy_d->data(),
-                                 w_d->data(),
+                                 w_transposed_d->data(),
                                  is_masked ? x_d->data() : nullptr,
                                  kInputs,
-                                 kOutputs,
                                  kOutputs,
                                  dx_d->data()},
         x.size());

@@ -4,10 +4,13 @@
 
 #include "nerf/cuda/grid_encoding-inl.h"
 #include "nerf/field/field_layout.h"
+#include "nerf/kernels/grid_gradient.h"
 #include "nerf/kernels/half_precision.h"
 #include "tests/nerf/cuda/test_devices.h"
 #include "tests/nerf/random_values.h"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -105,14 +108,83 @@ TYPED_TEST(GridEncodingKernelsTest, Grid) {
   this->ExpectNear(encoding_d->Download(encoding.size()), encoding, 1e-5);
 
   const auto d_encoding_d = this->Upload(d_encoding);
+  const auto largest_d = this->Upload(std::vector<float>(num_points, 1.0f));
+  const auto largest_of_tile_d = this->Upload({1.0f});
   const auto gradient_d = this->Upload(std::vector<float>(table.size()));
   this->device_->Launch(GridBackwardKernel{grid,
                                            device_points,
                                            d_encoding_d->data(),
                                            static_cast<uint32_t>(width),
+                                           largest_d->data(),
+                                           largest_of_tile_d->data(),
+                                           static_cast<uint32_t>(num_points),
+                                           kNegligibleGradient,
                                            gradient_d->data()},
                         num_points * 3);
   this->ExpectNear(gradient_d->Download(gradient.size()), gradient, 1e-4);
+}
+
+TYPED_TEST(GridEncodingKernelsTest, LargestGradients) {
+  constexpr uint32_t kWidth = 16;
+  constexpr uint32_t kTilePoints = 96;
+  constexpr size_t kNumPoints = 300;  // the last tile is smaller
+  auto d_encoding = RandomValues(kNumPoints * kWidth, -1, 1, 1);
+  // The first tile has only small ones, among them a NaN.
+  for (size_t i = 0; i < kTilePoints * kWidth; ++i) {
+    d_encoding[i] *= 1e-20f;
+  }
+  d_encoding[5 * kWidth] = std::numeric_limits<float>::quiet_NaN();
+  std::vector<float> largest(kNumPoints);
+  std::vector<float> largest_of_tile(4);
+  for (size_t i = 0; i < d_encoding.size(); ++i) {
+    const size_t point = i / kWidth;
+    if (std::abs(d_encoding[i]) > largest[point]) {
+      largest[point] = std::abs(d_encoding[i]);
+    }
+    float& of_tile = largest_of_tile[point / kTilePoints];
+    of_tile = std::max(of_tile, largest[point]);
+  }
+  const auto d_encoding_d = this->Upload(d_encoding);
+  const auto largest_d = this->Upload(std::vector<float>(kNumPoints, 9.0f));
+  const auto largest_of_tile_d = this->Upload(std::vector<float>(4));
+  this->device_->Launch(LargestGradientKernel{d_encoding_d->data(),
+                                              kWidth,
+                                              kTilePoints,
+                                              largest_d->data(),
+                                              largest_of_tile_d->data()},
+                        kNumPoints);
+  EXPECT_EQ(largest_d->Download(kNumPoints), largest);
+  EXPECT_EQ(largest_of_tile_d->Download(4), largest_of_tile);
+}
+
+// As SelectSamples leaves them out on the CPU.
+TYPED_TEST(GridEncodingKernelsTest, NegligibleGradientsAddNothing) {
+  DeviceGrid grid = {};
+  grid.num_levels = 1;
+  grid.levels[0] = {1, {2, 2, 2}, false, 8, 0, 1.0f};
+  const std::vector<float> d_encoding = {4, 0,     0,     0,     0, 0, 0, 0,  //
+                                         0, 2e-8f, 0,     0,     0, 0, 0, 0,
+                                         0, 0,     1e-3f, 0,     0, 0, 0, 0,
+                                         0, 0,     0,     3e-8f, 0, 0, 0, 0};
+  const auto coordinates = this->Upload(std::vector<float>(4));
+  const auto d_encoding_d = this->Upload(d_encoding);
+  const auto largest_d = this->Upload({4, 2e-8f, 1e-3f, 3e-8f});
+  const auto largest_of_tile_d = this->Upload({4, 1e-3f});
+  const auto gradient_d = this->Upload(std::vector<float>(8 * 8));
+  this->device_->Launch(
+      GridBackwardKernel{
+          grid,
+          {coordinates->data(), coordinates->data(), coordinates->data()},
+          d_encoding_d->data(),
+          kDeviceFeatures,
+          largest_d->data(),
+          largest_of_tile_d->data(),
+          /*tile_points=*/2,
+          kNegligibleGradient,
+          gradient_d->data()},
+      4);
+  EXPECT_EQ(gradient_d->Download(8),
+            std::vector<float>({4, 0, 1e-3f, 3e-8f, 0, 0, 0, 0}));
 }
 
 }  // namespace
