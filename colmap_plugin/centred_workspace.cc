@@ -10,7 +10,6 @@
 #include <stdexcept>
 
 #include <colmap/geometry/sim3.h>
-#include <colmap/scene/reconstruction.h>
 
 namespace structnerf {
 namespace {
@@ -43,6 +42,10 @@ Eigen::Vector3d FindOffset(const colmap::Reconstruction& reconstruction) {
 }
 
 }  // namespace
+
+bool CentredWorkspace::IsNeeded(const colmap::Reconstruction& reconstruction) {
+  return !FindOffset(reconstruction).isZero(0);
+}
 
 CentredWorkspace::CentredWorkspace(const DenseWorkspace& workspace)
     : path_(workspace.Path()) {

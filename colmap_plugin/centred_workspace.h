@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include <colmap/scene/reconstruction.h>
+
 #include <Eigen/Core>
 
 namespace structnerf {
@@ -16,6 +18,9 @@ namespace structnerf {
 // this object.
 class CentredWorkspace {
  public:
+  // Whether a model is far from the origin, so that links are needed.
+  static bool IsNeeded(const colmap::Reconstruction& reconstruction);
+
   // Throws std::runtime_error if the folder cannot be made.
   explicit CentredWorkspace(const DenseWorkspace& workspace);
   ~CentredWorkspace();

@@ -39,6 +39,31 @@ void CheckUndistorted(const colmap::Reconstruction& reconstruction,
   }
 }
 
+#if STRUCTNERF_COLMAP_VERSION < 40000
+// Of an image file; the type is FIT_UNKNOWN if it cannot be read.
+struct Header {
+  FREE_IMAGE_TYPE type = FIT_UNKNOWN;
+  int width = 0;
+  int height = 0;
+};
+
+Header ReadHeader(const std::string& path) {
+  Header header;
+  const FREE_IMAGE_FORMAT format = FreeImage_GetFileType(path.c_str(), 0);
+  FIBITMAP* const bitmap =
+      format == FIF_UNKNOWN
+          ? nullptr
+          : FreeImage_Load(format, path.c_str(), FIF_LOAD_NOPIXELS);
+  if (bitmap != nullptr) {
+    header.type = FreeImage_GetImageType(bitmap);
+    header.width = static_cast<int>(FreeImage_GetWidth(bitmap));
+    header.height = static_cast<int>(FreeImage_GetHeight(bitmap));
+    FreeImage_Unload(bitmap);
+  }
+  return header;
+}
+#endif
+
 }  // namespace
 
 void InitializeColmap(char** argv) {
@@ -72,6 +97,11 @@ bool IsPerspective([[maybe_unused]] const colmap::Camera& camera) {
 #else
   return true;
 #endif
+}
+
+bool IsIdealFisheye(const colmap::Camera& camera) {
+  return camera.IsUndistorted() &&
+         camera.ModelName().find("FISHEYE") != std::string::npos;
 }
 
 bool RayFromImagePoint(const colmap::Camera& camera,
@@ -115,18 +145,19 @@ bool ReadImageSize(const std::string& path, int* width, int* height) {
   *height = bitmap.Height();
   return true;
 #else
-  const FREE_IMAGE_FORMAT format = FreeImage_GetFileType(path.c_str(), 0);
-  if (format == FIF_UNKNOWN) {
-    return false;
-  }
-  FIBITMAP* bitmap = FreeImage_Load(format, path.c_str(), FIF_LOAD_NOPIXELS);
-  if (bitmap == nullptr) {
-    return false;
-  }
-  *width = static_cast<int>(FreeImage_GetWidth(bitmap));
-  *height = static_cast<int>(FreeImage_GetHeight(bitmap));
-  FreeImage_Unload(bitmap);
+  const Header header = ReadHeader(path);
+  *width = header.width;
+  *height = header.height;
+  return header.type != FIT_UNKNOWN;
+#endif
+}
+
+bool HasReadableColors([[maybe_unused]] const std::string& path) {
+#if STRUCTNERF_COLMAP_VERSION >= 40000
   return true;
+#else
+  const FREE_IMAGE_TYPE type = ReadHeader(path).type;
+  return type == FIT_BITMAP || type == FIT_RGB16 || type == FIT_RGBA16;
 #endif
 }
 

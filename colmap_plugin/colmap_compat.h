@@ -29,6 +29,10 @@ std::vector<colmap::image_t> RegisteredImageIds(
 // False for cameras that no pinhole camera can stand for, e.g. spherical ones.
 bool IsPerspective(const colmap::Camera& camera);
 
+// True for fisheye lenses without distortion, which COLMAP does not undistort
+// (Camera::IsUndistorted), though no pinhole camera can stand for them either.
+bool IsIdealFisheye(const colmap::Camera& camera);
+
 // The ray through an image point as (x / z, y / z) in the camera frame, and the
 // image point of a ray. False where the camera model has none.
 bool RayFromImagePoint(const colmap::Camera& camera,
@@ -41,6 +45,11 @@ bool ImagePointFromRay(const colmap::Camera& camera,
 // The size in pixels that the image file's header states. Returns false if
 // COLMAP cannot read the file.
 bool ReadImageSize(const std::string& path, int* width, int* height);
+
+// Whether COLMAP can read the image file in colour. Before version 4 it fails
+// to for 16-bit grey and floating-point pixels, though it finds features in
+// them.
+bool HasReadableColors(const std::string& path);
 
 // Creates COLMAP's dense workspace in the existing folder `output_path`:
 // undistorted images, sparse model, stereo folders and configurations. Calls

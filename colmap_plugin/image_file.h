@@ -11,4 +11,10 @@ namespace structnerf {
 cv::Mat3b ReadColorImage(const std::string& path);  // blue, green, red
 cv::Mat1b ReadGreyImage(const std::string& path);
 
+// Whether the end of a JPEG or PNG file is missing, as of one that was copied
+// in part or written to a full disk. The libraries read such JPEGs without a
+// word, the rest being grey. False for other files, and for what cannot be
+// read.
+bool IsCutOff(const std::string& path);
+
 }  // namespace structnerf

@@ -2,6 +2,7 @@
 
 #include "colmap_plugin/colmap_compat.h"
 #include "colmap_plugin/dense_workspace.h"
+#include "colmap_plugin/image_file.h"
 #include "colmap_plugin/log_level.h"
 #include "colmap_plugin/masks.h"
 #include "colmap_plugin/text_output.h"
@@ -14,6 +15,7 @@
 #include <stdexcept>
 #include <unordered_set>
 
+#include <boost/algorithm/string/trim.hpp>
 #include <glog/logging.h>
 #include <sys/stat.h>
 
@@ -51,6 +53,43 @@ void RequireOneDisk(const std::string& path, const bool is_new) {
                                " is on another disk than " + path +
                                ", so results cannot be moved there in one "
                                "step; choose a folder on one disk.");
+    }
+  }
+}
+
+bool HasBlankAtEnd(const std::string& name) {
+  return boost::trim_copy(name) != name;
+}
+
+// Every sparse point is finite, and was seen where the model says.
+void CheckPoints(const colmap::Reconstruction& reconstruction) {
+  const auto image_ids = RegisteredImageIds(reconstruction);
+  const std::unordered_set<colmap::image_t> known(image_ids.begin(),
+                                                  image_ids.end());
+  for (const auto& [point3D_id, point3D] : reconstruction.Points3D()) {
+    const std::string prefix =
+        "The sparse point " + std::to_string(point3D_id) + " of the model ";
+    if (!point3D.xyz.allFinite()) {
+      throw std::runtime_error(prefix +
+                               "has no finite coordinates; remove it.");
+    }
+    for (const colmap::TrackElement& element : point3D.track.Elements()) {
+      if (known.count(element.image_id) == 0) {
+        throw std::runtime_error(
+            prefix + "was seen in image " + std::to_string(element.image_id) +
+            ", which the model does not have; its files do not belong "
+            "together. COLMAP's image_deleter removes images from all of "
+            "them.");
+      }
+      if (element.point2D_idx >=
+          reconstruction.Image(element.image_id).NumPoints2D()) {
+        throw std::runtime_error(
+            prefix + "refers to keypoint " +
+            std::to_string(element.point2D_idx) + " of image " +
+            reconstruction.Image(element.image_id).Name() +
+            ", which the model does not have; its files do not belong "
+            "together.");
+      }
     }
   }
 }
@@ -109,12 +148,46 @@ void CheckModel(const colmap::Reconstruction& reconstruction) {
       throw std::runtime_error("The model has two images named " +
                                image.Name() + "; rename one of them.");
     }
+    if (HasBlankAtEnd(image.Name())) {
+      throw std::runtime_error("The image name \"" + image.Name() +
+                               "\" begins or ends with a blank, which COLMAP "
+                               "leaves out of its lists of images; rename the "
+                               "image.");
+    }
     const colmap::Camera& camera = reconstruction.Camera(image.CameraId());
     if (!IsPerspective(camera)) {
       throw std::runtime_error("The camera of image " + image.Name() + " (" +
                                camera.ModelName() +
                                ") cannot be undistorted; convert the images "
                                "to perspective ones first.");
+    }
+    if (IsIdealFisheye(camera)) {
+      throw std::runtime_error("The camera of image " + image.Name() + " (" +
+                               camera.ModelName() +
+                               ") has no distortion coefficients, so COLMAP "
+                               "would take this fisheye lens for a pinhole; "
+                               "set its first coefficient to 1e-6.");
+    }
+  }
+  CheckPoints(reconstruction);
+}
+
+void CheckFusionConfig(const std::string& workspace_path,
+                       const std::vector<std::string>& image_names) {
+  const std::string path =
+      (fs::path(workspace_path) / "stereo/fusion.cfg").string();
+  const std::unordered_set<std::string> names(image_names.begin(),
+                                              image_names.end());
+  std::ifstream file(path);
+  int line_number = 0;
+  for (std::string line; std::getline(file, line);) {
+    ++line_number;
+    boost::trim(line);
+    if (!line.empty() && line[0] != '#' && names.count(line) == 0) {
+      throw std::runtime_error("Line " + std::to_string(line_number) + " of " +
+                               path + " names the image " + Printable(line) +
+                               ", which the workspace's model does not have; "
+                               "remove the line.");
     }
   }
 }
@@ -148,6 +221,17 @@ void CheckImages(const colmap::Reconstruction& reconstruction,
       throw std::runtime_error(
           "The image " + path +
           " cannot be read; check its permissions and that it is an image.");
+    }
+    if (IsCutOff(path)) {
+      throw std::runtime_error("The image " + path +
+                               " is cut off, its end is missing; copy it "
+                               "again.");
+    }
+    if (!HasReadableColors(path)) {
+      throw std::runtime_error("The image " + path +
+                               " has a pixel format that COLMAP reads no "
+                               "colours from (such as 16-bit grey); convert "
+                               "the images to 8 bits per channel.");
     }
     if (static_cast<size_t>(width) != camera.width ||
         static_cast<size_t>(height) != camera.height) {

@@ -16,15 +16,20 @@ namespace structnerf {
 // Reads a COLMAP model, text or binary.
 colmap::Reconstruction ReadModel(const std::string& path);
 
-// At least two registered images, sparse points, cameras that can be
-// undistorted, and image names that stay inside the workspace.
+// At least two registered images, sparse points that were seen in them, cameras
+// that can be undistorted, and image names that stay inside the workspace.
 void CheckModel(const colmap::Reconstruction& reconstruction);
 
 // Throws std::runtime_error if there is no such folder of a dense workspace.
 void CheckWorkspaceFolder(const std::string& path);
 
-// Every registered image exists below `image_path`, can be read and has the
-// size of its camera.
+// The list of images to fuse of an existing workspace, if there is one, names
+// images of its model only.
+void CheckFusionConfig(const std::string& workspace_path,
+                       const std::vector<std::string>& image_names);
+
+// Every registered image exists below `image_path`, is whole, can be read and
+// has the size of its camera.
 void CheckImages(const colmap::Reconstruction& reconstruction,
                  const std::string& image_path);
 

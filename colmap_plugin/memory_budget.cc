@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <system_error>
@@ -14,6 +15,8 @@
 
 namespace structnerf {
 namespace {
+
+namespace fs = std::filesystem;
 
 // Address space that a thread takes before it has done anything: its stack, and
 // what the C library sets aside for its allocations.
@@ -54,19 +57,53 @@ size_t AddressSpaceLimit() {
   return limit.rlim_cur - std::min<size_t>(limit.rlim_cur, set_aside);
 }
 
+// Of a control group, in bytes.
+constexpr const char* kLimitName = "memory.max";
+constexpr const char* kLimitNameOfVersion1 = "memory.limit_in_bytes";
+
+// The largest number there is if the file holds none.
+size_t ReadLimit(const fs::path& path) {
+  std::string text;
+  std::ifstream(path) >> text;
+  size_t value = 0;
+  const char* const end = text.data() + text.size();
+  const auto [rest, error] = std::from_chars(text.data(), end, value);
+  return error == std::errc() && rest == end && value > 0
+             ? value
+             : std::numeric_limits<size_t>::max();
+}
+
 }  // namespace
 
-size_t ControlGroupLimit(const std::string& folder) {
-  size_t limit = std::numeric_limits<size_t>::max();
-  // Version 2, then version 1.
-  for (const char* name : {"/memory.max", "/memory/memory.limit_in_bytes"}) {
-    std::string text;
-    std::ifstream(folder + name) >> text;
-    size_t value = 0;
-    const char* const end = text.data() + text.size();
-    const auto [rest, error] = std::from_chars(text.data(), end, value);
-    if (error == std::errc() && rest == end && value > 0) {
-      limit = std::min(limit, value);
+size_t ControlGroupLimit(const std::string& folder,
+                         const std::string& membership_path) {
+  const fs::path hierarchy_of_version1 = fs::path(folder) / "memory";
+  // In a container, the outermost group that is seen is its own.
+  size_t limit =
+      std::min(ReadLimit(fs::path(folder) / kLimitName),
+               ReadLimit(hierarchy_of_version1 / kLimitNameOfVersion1));
+  std::ifstream memberships(membership_path);
+  for (std::string line; std::getline(memberships, line);) {
+    // hierarchy:controllers:/group
+    const size_t first = line.find(':');
+    const size_t second = line.find(':', first + 1);
+    if (first == std::string::npos || second == std::string::npos) {
+      continue;
+    }
+    const std::string controllers =
+        "," + line.substr(first + 1, second - first - 1) + ",";
+    const bool is_version1 = controllers.find(",memory,") != std::string::npos;
+    if (!is_version1 && controllers != ",,") {
+      continue;
+    }
+    for (fs::path group = fs::path(line.substr(second + 1)).relative_path();
+         !group.empty();
+         group = group.parent_path()) {
+      limit = std::min(
+          limit,
+          is_version1
+              ? ReadLimit(hierarchy_of_version1 / group / kLimitNameOfVersion1)
+              : ReadLimit(fs::path(folder) / group / kLimitName));
     }
   }
   return limit;
@@ -75,7 +112,8 @@ size_t ControlGroupLimit(const std::string& folder) {
 size_t AvailableMemory() {
   const size_t physical = static_cast<size_t>(sysconf(_SC_PHYS_PAGES)) *
                           static_cast<size_t>(sysconf(_SC_PAGESIZE));
-  return std::min(physical, ControlGroupLimit("/sys/fs/cgroup"));
+  return std::min(physical,
+                  ControlGroupLimit("/sys/fs/cgroup", "/proc/self/cgroup"));
 }
 
 size_t MemoryLimit(const double max_memory_gb) {

@@ -7,10 +7,13 @@ namespace structnerf {
 
 constexpr double kBytesPerGb = 1024.0 * 1024.0 * 1024.0;
 
-// What control groups, version 2 or 1, leave a container that sees them in
-// `folder`, in bytes. The largest number there is if they set no limit ("max")
-// or are not understood.
-size_t ControlGroupLimit(const std::string& folder);
+// What control groups, version 2 or 1, leave a process, in bytes: the least
+// limit of its group and of those around it. `folder`: where the groups are
+// seen. `membership_path`: a file that says which group the process is in, see
+// cgroups(7). The largest number there is if they set no limit ("max") or are
+// not understood.
+size_t ControlGroupLimit(const std::string& folder,
+                         const std::string& membership_path);
 
 // Memory in bytes that processes here can have: what is installed, or the
 // limit of the control group (container) if that is smaller.

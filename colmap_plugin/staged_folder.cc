@@ -6,6 +6,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <stdexcept>
 
 #include <fcntl.h>
@@ -21,7 +22,8 @@ constexpr char kFolderName[] = ".structnerf-partial";
 constexpr char kNotesName[] = ".resume";
 constexpr char kLockName[] = ".lock";
 
-// Lists the files that are being moved, while they are.
+// Lists the files that are being moved, while they are, and the folders that
+// are made for them, which end in a slash.
 constexpr char kCommitName[] = "commit";
 
 // Holds what they replace, until all are moved.
@@ -55,10 +57,12 @@ void RemoveFolders(const std::vector<std::string>& folders) {
 }
 
 // A file that is locked until it is closed; -1 if it cannot be created, -2 if
-// another process has locked it.
+// another process has locked it. File systems of clusters may know no locks;
+// then there is none.
 int OpenLocked(const std::string& path) {
   const int file = open(path.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0644);
-  if (file >= 0 && flock(file, LOCK_EX | LOCK_NB) != 0) {
+  if (file >= 0 && flock(file, LOCK_EX | LOCK_NB) != 0 &&
+      errno == EWOULDBLOCK) {
     close(file);
     return -2;
   }
@@ -81,10 +85,29 @@ std::vector<std::string> ListFiles(const fs::path& folder) {
   return files;
 }
 
-void WriteList(const std::string& path, const std::vector<std::string>& files) {
+// The folders that must be made in `folder` for these files, outermost first.
+std::set<std::string> FoldersToMake(const fs::path& folder,
+                                    const std::vector<std::string>& files) {
+  std::set<std::string> missing;
+  for (const std::string& file : files) {
+    for (fs::path parent = fs::path(file).parent_path();
+         !parent.empty() && !fs::exists(folder / parent);
+         parent = parent.parent_path()) {
+      missing.insert(parent.string());
+    }
+  }
+  return missing;
+}
+
+void WriteList(const std::string& path,
+               const std::vector<std::string>& files,
+               const std::set<std::string>& folders) {
   std::ofstream stream(path + ".partial", std::ios::binary);
   for (const std::string& file : files) {
     stream << file << '\0';
+  }
+  for (const std::string& folder : folders) {
+    stream << folder << "/" << '\0';
   }
   stream.close();
   if (!stream) {
@@ -107,9 +130,19 @@ void MoveBack(const fs::path& output_path, const fs::path& path) {
   const fs::path list_path = path / kNotesName / kCommitName;
   const fs::path replaced_path = path / kNotesName / kReplacedName;
   std::ifstream list(list_path, std::ios::binary);
+  std::vector<std::string> folders;
   for (std::string file; std::getline(list, file, '\0');) {
+    const bool is_folder = !file.empty() && file.back() == '/';
+    if (is_folder) {
+      file.pop_back();
+    }
     if (!IsSafeImageName(file)) {
       continue;  // no list of ours: it must not lead out of the folder
+    }
+    if (is_folder) {
+      // An empty one looks like a workspace.
+      folders.push_back((output_path / file).string());
+      continue;
     }
     if (!fs::exists(path / file) && fs::exists(output_path / file)) {
       MoveFile(output_path / file, path / file);
@@ -117,14 +150,8 @@ void MoveBack(const fs::path& output_path, const fs::path& path) {
     if (IsTaken(replaced_path / file) && !IsTaken(output_path / file)) {
       MoveFile(replaced_path / file, output_path / file);
     }
-    // The folders that were made for it: an empty one looks like a workspace.
-    std::error_code ignored;
-    for (fs::path folder = fs::path(file).parent_path();
-         !folder.empty() && fs::is_empty(output_path / folder, ignored);
-         folder = folder.parent_path()) {
-      fs::remove(output_path / folder, ignored);
-    }
   }
+  RemoveFolders(folders);
   fs::remove(list_path);
 }
 
@@ -207,6 +234,15 @@ StagedFolder::~StagedFolder() {
   }
 }
 
+bool StagedFolder::CanLink() const {
+  const fs::path link = fs::path(notes_path_) / "link";
+  std::error_code error;
+  fs::create_directory_symlink(path_, link, error);
+  std::error_code ignored;
+  fs::remove(link, ignored);
+  return !error;
+}
+
 void StagedFolder::Clear() {
   for (const auto& entry : fs::directory_iterator(path_)) {
     if (entry.path().filename() != kLockName) {
@@ -234,7 +270,7 @@ void StagedFolder::Commit() {
   try {
     const std::vector<std::string> files = ListFiles(path_);
     fs::remove_all(replaced_path);
-    WriteList(list_path, files);
+    WriteList(list_path, files, FoldersToMake(output_path_, files));
     for (const std::string& file : files) {
       const fs::path target = fs::path(output_path_) / file;
       // A folder in the way is no result that could be replaced.
@@ -245,7 +281,11 @@ void StagedFolder::Commit() {
     }
     fs::remove(list_path);
   } catch (const fs::filesystem_error& error) {
+    // What cannot be moved back now must not be removed: the next run tries.
+    const bool is_kept = kept_;
+    kept_ = true;
     MoveBack(output_path_, path_);
+    kept_ = is_kept;
     ThrowUnwritable(output_path_, error.code().message());
   }
   committed_ = true;

@@ -9,7 +9,8 @@ namespace structnerf {
 // A hidden folder inside the output folder that fills up during a run. Nothing
 // of the output folder is touched before Commit(), and whatever happens before
 // it leaves the disk as it was, but for the hidden folder if it is kept so that
-// another run can go on from there.
+// another run can go on from there. Where the file system knows no locks, two
+// runs at the same time are not noticed.
 class StagedFolder {
  public:
   // What is called before anything in the output folder is looked at: puts back
@@ -39,6 +40,9 @@ class StagedFolder {
   // A folder in it for what is needed as long as the run is not complete. It is
   // not moved by Commit().
   const std::string& NotesPath() const { return notes_path_; }
+
+  // Whether its file system has symbolic links, as those of Windows do not.
+  bool CanLink() const;
 
   // Removes all that is in the hidden folder.
   void Clear();

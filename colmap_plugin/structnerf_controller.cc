@@ -1,5 +1,6 @@
 #include "colmap_plugin/structnerf_controller.h"
 
+#include "colmap_plugin/centred_workspace.h"
 #include "colmap_plugin/cloud_fusion.h"
 #include "colmap_plugin/colmap_compat.h"
 #include "colmap_plugin/depth_priors.h"
@@ -152,6 +153,7 @@ void StructNerfController::RunStages() {
   staged_folder_ =
       std::make_unique<StagedFolder>(options_.ResultPath(), options_.resume);
   workspace_ = std::make_unique<DenseWorkspace>(staged_folder_->Path());
+  CheckLinks();
   PrepareToResume();
   UndistortImages();
   LoadScene();
@@ -173,7 +175,11 @@ void StructNerfController::CheckInput() {
   CheckModel(*reconstruction_);
   CheckImages(*reconstruction_, options_.image_path);
   CheckMasks(*reconstruction_, options_.mask_path);
-  CheckOutput(options_, ImageNames(*reconstruction_));
+  const std::vector<std::string> image_names = ImageNames(*reconstruction_);
+  if (!HasNewWorkspace()) {
+    CheckFusionConfig(options_.workspace_path, image_names);
+  }
+  CheckOutput(options_, image_names);
   CheckExport(options_.export_path);
   // From here on, reports and checkpoints know which device it is.
   options_.device =
@@ -198,6 +204,17 @@ void StructNerfController::CheckInput() {
   report_.expected_memory = memory_plan_.expected;
   if (!memory_plan_.note.empty()) {
     progress_->Note(memory_plan_.note);
+  }
+}
+
+void StructNerfController::CheckLinks() const {
+  const bool is_far = CentredWorkspace::IsNeeded(*reconstruction_);
+  if ((!HasNewWorkspace() || is_far) && !staged_folder_->CanLink()) {
+    throw std::runtime_error("The disk of " + options_.ResultPath() +
+                             " knows no symbolic links, which are needed " +
+                             (is_far ? "for a model far from its origin"
+                                     : "to work in an existing workspace") +
+                             "; choose a folder on another one.");
   }
 }
 
@@ -261,10 +278,8 @@ void StructNerfController::UndistortImages() {
         },
         journal_.get());
     // The order of the images in this file is what the results refer to.
-    const auto undistorted = std::make_shared<colmap::Reconstruction>(
+    reconstruction_ = std::make_shared<colmap::Reconstruction>(
         ReadModel(workspace_->SparsePath()));
-    CheckWrittenModel(*reconstruction_, *undistorted);
-    reconstruction_ = undistorted;
   }
   image_names_ = ImageNames(*reconstruction_);
   workspace_->CreateFolders(image_names_);

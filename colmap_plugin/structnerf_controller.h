@@ -68,6 +68,7 @@ class StructNerfController : public colmap::BaseController {
   void CheckInput();
 
   // Looks for the checkpoint of a run that was killed.
+  void CheckLinks() const;
   void PrepareToResume();
 
   void UndistortImages();

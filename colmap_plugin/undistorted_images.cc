@@ -1,12 +1,14 @@
 #include "colmap_plugin/undistorted_images.h"
 
 #include "colmap_plugin/colmap_compat.h"
+#include "colmap_plugin/image_file.h"
 #include "colmap_plugin/input_check.h"
 #include "colmap_plugin/masks.h"
 #include "nerf/progress.h"
 
 #include <algorithm>
 #include <filesystem>
+#include <stdexcept>
 #include <vector>
 
 namespace structnerf {
@@ -57,7 +59,12 @@ void UndistortIntoWorkspace(const colmap::Reconstruction& reconstruction,
           return report(num_done);
         });
   }
+  CheckWrittenModel(reconstruction, ReadModel(workspace.SparsePath()));
   for (const std::string& file : files) {
+    if (IsCutOff(file)) {
+      throw std::runtime_error("The image " + file +
+                               " could not be written; is the disk full?");
+    }
     journal->Add(file);
   }
 }

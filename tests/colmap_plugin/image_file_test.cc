@@ -3,6 +3,8 @@
 #include "tests/support/temp_dir.h"
 
 #include <fstream>
+#include <iterator>
+#include <string>
 
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
@@ -29,6 +31,59 @@ TEST(ImageFile, WhatIsNoImageIsEmpty) {
     EXPECT_TRUE(ReadColorImage(temp_dir / name).empty()) << name;
     EXPECT_TRUE(ReadGreyImage(temp_dir / name).empty()) << name;
   }
+}
+
+std::string ReadBytes(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+TEST(ImageFile, CutOffImagesAreNoticed) {
+  const TempDir temp_dir;
+  cv::Mat3b image(64, 64);
+  cv::randu(image, 0, 255);
+  for (const std::string name : {"a.jpg", "a.png"}) {
+    SCOPED_TRACE(name);
+    const std::string path = temp_dir / name;
+    cv::imwrite(path, image);
+    EXPECT_FALSE(IsCutOff(path));
+    const std::string whole = ReadBytes(path);
+    for (const size_t size :
+         {whole.size() - 1, whole.size() / 2, size_t{200}, size_t{8}}) {
+      std::ofstream(path, std::ios::binary) << whole.substr(0, size);
+      EXPECT_TRUE(IsCutOff(path)) << size;
+    }
+    std::ofstream(path, std::ios::binary) << whole << "what a camera appends";
+    EXPECT_FALSE(IsCutOff(path));
+  }
+}
+
+// A thumbnail in the head has an end of its own.
+TEST(ImageFile, TheEndOfAThumbnailIsNotThatOfThePhotograph) {
+  const TempDir temp_dir;
+  const std::string path = temp_dir / "a.jpg";
+  cv::Mat3b image(64, 64);
+  cv::randu(image, 0, 255);
+  cv::imwrite(path, image);
+  const std::string whole = ReadBytes(path);
+  const std::string head = {
+      '\xff', '\xe1', '\0', '\x06', '\0', '\xff', '\xd9', '\0'};
+  const std::string with_thumbnail =
+      whole.substr(0, 2) + head + whole.substr(2);
+  std::ofstream(path, std::ios::binary) << with_thumbnail;
+  EXPECT_FALSE(IsCutOff(path));
+  std::ofstream(path, std::ios::binary)
+      << with_thumbnail.substr(0, whole.size() - 100);
+  EXPECT_TRUE(IsCutOff(path));
+}
+
+TEST(ImageFile, OtherFilesAreNotCutOff) {
+  const TempDir temp_dir;
+  std::ofstream(temp_dir / "a.jpg") << "no image";
+  std::ofstream(temp_dir / "b.jpg");
+  EXPECT_FALSE(IsCutOff(temp_dir / "a.jpg"));
+  EXPECT_FALSE(IsCutOff(temp_dir / "b.jpg"));
+  EXPECT_FALSE(IsCutOff(temp_dir / "missing.jpg"));
 }
 
 }  // namespace

@@ -105,6 +105,54 @@ TEST_F(InputCheckTest, ImageNamesStayInTheWorkspace) {
   }
 }
 
+TEST_F(InputCheckTest, ImageNamesHaveNoBlanksAtTheirEnds) {
+  MakeTinyModel(2).WriteModel(temp_dir_ / "sparse");
+  for (const std::string name : {" 0.png", "0.png "}) {
+    colmap::Reconstruction reconstruction = ReadModel(temp_dir_ / "sparse");
+    reconstruction.Image(1).SetName(name);
+    EXPECT_THAT(ErrorOf([&]() { CheckModel(reconstruction); }),
+                HasSubstr("\"" + name + "\" begins or ends with a blank"));
+  }
+}
+
+TEST_F(InputCheckTest, FisheyesWithoutDistortionAreNoPinholes) {
+  TinyModel model = MakeTinyModel(2);
+  model.cameras[0] = {"OPENCV_FISHEYE", 64, 48, {60, 60, 32, 24, 0, 0, 0, 0}};
+  EXPECT_THAT(ErrorOfModel(model), HasSubstr("0.png (OPENCV_FISHEYE)"));
+  model.cameras[0].params[4] = 1e-6;
+  EXPECT_EQ(ErrorOfModel(model), "");
+}
+
+TEST_F(InputCheckTest, PointsAreOfTheModelsImages) {
+  const auto error_of = [&](const std::string& points) {
+    MakeTinyModel(2).WriteModel(temp_dir_ / "sparse");
+    std::ofstream(temp_dir_ / "sparse/points3D.txt") << points << "\n";
+    return ErrorOf([&]() { CheckModel(ReadModel(temp_dir_ / "sparse")); });
+  };
+  EXPECT_EQ(error_of("1 0 0 4 1 1 1 0.5 1 0 2 0"), "");
+  EXPECT_THAT(error_of("1 0 0 4 1 1 1 0.5 1 0 7 0"),
+              HasSubstr("point 1 of the model was seen in image 7"));
+  EXPECT_THAT(error_of("1 0 0 4 1 1 1 0.5 1 0 2 9"),
+              HasSubstr("keypoint 9 of image 1.png"));
+  EXPECT_THAT(error_of("1 0 nan 4 1 1 1 0.5 1 0 2 0"),
+              HasSubstr("point 1 of the model has no finite coordinates"));
+}
+
+TEST_F(InputCheckTest, ImagesToFuseAreOfTheModel) {
+  const auto check = [&]() {
+    return ErrorOf(
+        [&]() { CheckFusionConfig(temp_dir_.Path().string(), {"a b.png"}); });
+  };
+  EXPECT_EQ(check(), "");
+  fs::create_directory(temp_dir_ / "stereo");
+  std::ofstream(temp_dir_ / "stereo/fusion.cfg") << "# comment\n\n a b.png \n";
+  EXPECT_EQ(check(), "");
+  std::ofstream(temp_dir_ / "stereo/fusion.cfg") << "a b.png\ngone.png\n";
+  EXPECT_THAT(check(),
+              HasSubstr("Line 2 of " + temp_dir_ / "stereo/fusion.cfg" +
+                        " names the image gone.png"));
+}
+
 TEST_F(InputCheckTest, ImageNamesAreUnique) {
   TinyModel model = MakeTinyModel(2);
   model.images[1].name = "./0.png";
@@ -127,12 +175,40 @@ TEST_F(InputCheckTest, NamesBadImages) {
   EXPECT_THAT(error, HasSubstr(temp_dir_ / "images/1.png"));
   EXPECT_THAT(error, HasSubstr("cannot be read"));
 
+  std::ofstream(temp_dir_ / "images/1.png", std::ios::binary)
+      << "\x89PNG\r\n\x1a\n";
+  EXPECT_THAT(ErrorOfImages(model), HasSubstr("cannot be read"));
+
+  cv::imwrite(temp_dir_ / "images/1.png", RandomImage(64, 48, 0));
+  fs::resize_file(temp_dir_ / "images/1.png",
+                  fs::file_size(temp_dir_ / "images/1.png") / 2);
+  error = ErrorOfImages(model);
+  EXPECT_THAT(error, HasSubstr(temp_dir_ / "images/1.png"));
+  EXPECT_THAT(error, HasSubstr("cut off"));
+
   std::filesystem::remove(temp_dir_ / "images/1.png");
   EXPECT_THAT(ErrorOfImages(model), HasSubstr("does not exist"));
 
   std::filesystem::create_directory(temp_dir_ / "images/1.png");
   EXPECT_THAT(ErrorOfImages(model), HasSubstr("cannot be read"));
 }
+
+#if STRUCTNERF_COLMAP_VERSION < 40000
+TEST_F(InputCheckTest, ImagesHaveColors) {
+  const TinyModel model = MakeTinyModel(2);
+  model.WriteImages(temp_dir_ / "images");
+  for (const auto& [type, is_readable] :
+       {std::pair(CV_8UC1, true), {CV_16UC3, true}, {CV_16UC1, false}}) {
+    cv::imwrite(temp_dir_ / "images/1.png", cv::Mat(48, 64, type, 9));
+    const std::string error = ErrorOfImages(model);
+    if (is_readable) {
+      EXPECT_EQ(error, "");
+    } else {
+      EXPECT_THAT(error, HasSubstr("8 bits per channel"));
+    }
+  }
+}
+#endif
 
 TEST_F(InputCheckTest, MaskFolderMustHoldAMask) {
   MakeTinyModel(2).WriteModel(temp_dir_ / "sparse");

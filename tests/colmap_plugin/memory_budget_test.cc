@@ -25,10 +25,15 @@ class ControlGroupLimitTest : public testing::Test {
   }
 
   void Write(const std::string& name, const std::string& text) {
-    std::ofstream(temp_dir_ / name) << text;
+    const std::string path = temp_dir_ / name;
+    std::filesystem::create_directories(
+        std::filesystem::path(path).parent_path());
+    std::ofstream(path) << text;
   }
 
-  size_t Limit() const { return ControlGroupLimit(temp_dir_.Path().string()); }
+  size_t Limit() const {
+    return ControlGroupLimit(temp_dir_.Path().string(), temp_dir_ / "groups");
+  }
 
   const TempDir temp_dir_;
 };
@@ -41,6 +46,31 @@ TEST_F(ControlGroupLimitTest, ReadsBothVersions) {
   EXPECT_EQ(Limit(), size_t{1} << 29);
   std::filesystem::remove(temp_dir_ / kVersion2);
   EXPECT_EQ(Limit(), size_t{1} << 29);
+}
+
+TEST_F(ControlGroupLimitTest, GroupsAreBoundByThoseAroundThem) {
+  Write("groups", "0::/system.slice/job.scope\n");
+  Write("system.slice/job.scope/memory.max", "4096\n");
+  Write("other.slice/memory.max", "16\n");
+  EXPECT_EQ(Limit(), 4096u);
+  Write("system.slice/memory.max", "2048\n");
+  EXPECT_EQ(Limit(), 2048u);
+  Write("memory.max", "8192\n");
+  EXPECT_EQ(Limit(), 2048u);
+}
+
+TEST_F(ControlGroupLimitTest, Version1HasAHierarchyForMemory) {
+  Write("groups", "5:cpu,cpuacct:/fast\n4:hugetlb,memory:/slurm/job_1\n0::/\n");
+  Write("memory/slurm/job_1/memory.limit_in_bytes", "4096\n");
+  Write("memory/fast/memory.limit_in_bytes", "16\n");
+  EXPECT_EQ(Limit(), 4096u);
+  Write("memory/slurm/memory.limit_in_bytes", "2048\n");
+  EXPECT_EQ(Limit(), 2048u);
+  // A container that does not see its own group sees the outermost.
+  Write("groups", "garbage\n4:memory:/docker/1\n");
+  EXPECT_EQ(Limit(), kNoLimit);
+  Write(kVersion1, "1024\n");
+  EXPECT_EQ(Limit(), 1024u);
 }
 
 TEST_F(ControlGroupLimitTest, MayNotBeSet) {

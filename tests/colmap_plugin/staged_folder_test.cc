@@ -3,14 +3,23 @@
 #include "tests/support/temp_dir.h"
 #include "tests/support/text_file.h"
 
+#include <cerrno>
+#include <cstddef>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iostream>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <linux/filter.h>
+#include <linux/seccomp.h>
+#include <sys/prctl.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
 namespace structnerf {
 namespace {
@@ -169,12 +178,29 @@ TEST(StagedFolder, UndoingRemovesFoldersThatWereMade) {
   {
     StagedFolder folder(output, /*resume=*/true);
     std::ofstream(folder.NotesPath() + "/commit", std::ios::binary)
-        << "deep/er/b.bin" << '\0';
+        << "deep/er/b.bin" << '\0' << "deep/" << '\0' << "deep/er/" << '\0';
     WriteText(output + "/deep/er/b.bin", "b");
     folder.Keep();
   }
   StagedFolder::UndoCommit(output);
   EXPECT_FALSE(fs::exists(output + "/deep"));
+}
+
+// COLMAP's tools write into folders that they do not make.
+TEST(StagedFolder, UndoingLeavesFoldersThatWereThere) {
+  for (const std::string blocked : {"a.bin", "z.bin"}) {
+    const TempDir temp_dir;
+    const std::string output = temp_dir / "out";
+    fs::create_directories(output + "/stereo/depth_maps");
+    WriteText(output + "/" + blocked + "/file", "in the way");
+    StagedFolder folder(output, /*resume=*/true);
+    WriteText(folder.Path() + "/" + blocked, "new");
+    WriteText(folder.Path() + "/stereo/depth_maps/sub/m.bin", "m");
+    WriteText(folder.Path() + "/made/n.bin", "n");
+    EXPECT_THROW(folder.Commit(), std::runtime_error);
+    EXPECT_TRUE(fs::is_empty(output + "/stereo/depth_maps"));
+    EXPECT_FALSE(fs::exists(output + "/made"));
+  }
 }
 
 // What a run that was killed has replaced is no business of the next.
@@ -255,6 +281,51 @@ TEST(StagedFolder, RefusesASecondRun) {
   EXPECT_EQ(ReadText(folder.Path() + "/a.bin"), "a");
   folder.Commit();
   EXPECT_EQ(ReadText(temp_dir / "out/a.bin"), "a");
+}
+
+// From now on, a system call of this process fails.
+void Forbid(const long system_call, const int error) {
+  sock_filter filter[] = {
+      BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr)),
+      BPF_JUMP(
+          BPF_JMP | BPF_JEQ | BPF_K, static_cast<unsigned>(system_call), 0, 1),
+      BPF_STMT(BPF_RET | BPF_K,
+               SECCOMP_RET_ERRNO | static_cast<unsigned>(error)),
+      BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW)};
+  const sock_fprog program = {4, filter};
+  if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0 ||
+      prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program) != 0) {
+    std::cerr << "no filters here";
+    std::exit(2);
+  }
+}
+
+TEST(StagedFolder, WritesWhereThereAreNoLocks) {
+  const TempDir temp_dir;
+  EXPECT_EXIT(
+      {
+        Forbid(SYS_flock, ENOSYS);
+        StagedFolder folder(temp_dir / "out", /*resume=*/false);
+        WriteText(folder.Path() + "/a.bin", "a");
+        folder.Commit();
+        std::exit(ReadText(temp_dir / "out/a.bin") == "a" ? 0 : 1);
+      },
+      testing::ExitedWithCode(0),
+      "");
+}
+
+TEST(StagedFolder, SaysWhetherItCanLink) {
+  const TempDir temp_dir;
+  const StagedFolder folder(temp_dir / "out", /*resume=*/false);
+  EXPECT_TRUE(folder.CanLink());
+  EXPECT_TRUE(folder.CanLink());
+  EXPECT_EXIT(
+      {
+        Forbid(SYS_symlink, EPERM);
+        std::exit(folder.CanLink() ? 1 : 0);
+      },
+      testing::ExitedWithCode(0),
+      "");
 }
 
 TEST(StagedFolder, DoesNotMoveLinks) {

@@ -6,7 +6,11 @@ namespace structnerf {
 namespace {
 
 const TimeEstimate kEstimate = {
-    /*loading=*/2, /*training=*/20, /*rendering=*/30, /*finishing=*/10};
+    /*loading=*/2,
+    /*training=*/20,
+    /*matching=*/5,
+    /*rendering=*/25,
+    /*finishing=*/10};
 
 TEST(TimeBudget, WithoutMinutesThereIsNoLimit) {
   EXPECT_FALSE(TimeBudget(0).IsLimited());

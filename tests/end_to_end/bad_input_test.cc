@@ -78,17 +78,37 @@ TEST_F(BadInputTest, UnreadableImage) {
   ExpectError(temp_dir_ / "images/1.png");
 }
 
+TEST_F(BadInputTest, CutOffImage) {
+  for (const bool is_distorted : {false, true}) {
+    if (is_distorted) {
+      model_.cameras[0] = {"SIMPLE_RADIAL", 64, 48, {60, 32, 24, 0.1}};
+    }
+    model_.images[1].name = "1.jpg";
+    model_.WriteModel(temp_dir_ / "sparse/0");
+    model_.WriteImages(temp_dir_ / "images");
+    fs::resize_file(temp_dir_ / "images/1.jpg",
+                    fs::file_size(temp_dir_ / "images/1.jpg") / 2);
+    ExpectError("images/1.jpg is cut off");
+  }
+}
+
+// Overwrites bytes in the middle of a file.
+void Damage(const std::string& path) {
+  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(static_cast<std::streamoff>(fs::file_size(path) / 2));
+  file << std::string(64, '\0');
+}
+
 TEST_F(BadInputTest, DamagedImage) {
-  // The header is fine, so this is only found when the pixels are read.
-  fs::resize_file(temp_dir_ / "images/1.png",
-                  fs::file_size(temp_dir_ / "images/1.png") / 2);
+  // Both ends are fine, so this is only found when the pixels are read.
+  Damage(temp_dir_ / "images/1.png");
   ExpectError("1.png");
 }
 
 TEST_F(BadInputTest, DamagedDistortedImage) {
   model_.cameras[0] = {"SIMPLE_RADIAL", 64, 48, {60, 32, 24, 0.1}};
   model_.WriteModel(temp_dir_ / "sparse/0");
-  fs::resize_file(temp_dir_ / "images/1.png", 100);
+  Damage(temp_dir_ / "images/1.png");
   ExpectError("1.png");
 }
 

@@ -53,7 +53,8 @@ class FaultTest : public ResumedRunTest {
                                     "Rendering",
                                     "Completing",
                                     "Checking",
-                                    "Fusing"}) {
+                                    "Fusing",
+                                    "Averaging"}) {
       const size_t begin = output.rfind(stage);
       if (begin != std::string::npos && begin >= last_begin) {
         last = stage;
@@ -111,7 +112,7 @@ TEST_F(FaultTest, FileSystemThatFillsUp) {
     GTEST_SKIP() << "cannot mount a file system: " << std::strerror(errno);
   }
   for (const std::string stage :
-       {"Undistorting", "Training", "Checking", "Fusing"}) {
+       {"Undistorting", "Training", "Checking", "Fusing", "Averaging"}) {
     SCOPED_TRACE(stage);
     Program program(Command({}, "disk/dense"));
     EXPECT_TRUE(program.WaitForError(stage));
@@ -218,7 +219,7 @@ TEST_F(FaultTest, AddressSpaceThatDoesNotSuffice) {
 TEST_F(FaultTest, MemoryThatIsGoneAtAnyStage) {
   int num_errors = 0;
   for (const std::string stage :
-       {"Undistorting", "Training", "Completing", "Fusing"}) {
+       {"Undistorting", "Training", "Completing", "Fusing", "Averaging"}) {
     SCOPED_TRACE(stage);
     if (!fs::exists(CheckpointPath())) {
       Terminate();

@@ -121,15 +121,22 @@ std::vector<StabilityCase> ProgramCases() {
   const auto add = [&](const std::string& name,
                        const std::string& extension,
                        const int type,
-                       const double scale) {
-    cases.push_back({"program: " + name, [=] {
+                       const double scale,
+                       const std::string& error = "") {
+    cases.push_back({"program: " + name,
+                     [=] {
                        return MeasureFiles(
                            64, 48, extension, {}, convert(type, scale));
-                     }});
+                     },
+                     error});
   };
   add("8-bit colour PNG", ".png", CV_8UC3, 1);
   add("8-bit grey PNG", ".png", CV_8UC1, 1);
-  add("16-bit grey PNG", ".png", CV_16UC1, 257);
+  add("16-bit grey PNG",
+      ".png",
+      CV_16UC1,
+      257,
+      STRUCTNERF_COLMAP_VERSION < 40000 ? "8 bits per channel" : "");
   add("16-bit colour PNG", ".png", CV_16UC3, 257);
   add("PNG with transparency", ".png", CV_8UC4, 1);
   add("grey JPEG", ".jpg", CV_8UC1, 1);
