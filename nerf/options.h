@@ -112,8 +112,7 @@ struct LossOptions {
   double patch_ssim_share = 0.85;
 
   // Taps per patch side minus one, halved, and their distance in pixels of the
-  // training image (paper: 1 and 2, i.e. 3x3 taps at offsets -2, 0, 2). The
-  // distance may be kFromScene.
+  // training image (paper: 1 and 2, i.e. 3x3 taps); or that is kFromScene.
   int patch_radius = 1;
   int patch_dilation = 2;
 

@@ -163,8 +163,8 @@ std::shared_ptr<const MatchedDepth> ViewMapper::ConfirmedDepth(
                          progress)
             .is_confirmed;
     for (size_t i = 0; i < is_confirmed.size(); ++i) {
-      // Half a pixel beside where it was matched, which matters little beside
-      // the deviation that it is given.
+      // Half a pixel beside where it was matched. Moved there, it teaches the
+      // field nothing better (nerf/EXPERIMENTS.md).
       const float depth = maps[view_idx].depth[i];
       (*confirmed)[view_idx].push_back(
           is_confirmed[i] != 0 ? depth * static_cast<float>(frame_.scale)

@@ -25,8 +25,9 @@ constexpr double kCellsPerEntry = 4;
 constexpr int kMinLog2TableSize = 12;
 constexpr int kMaxLog2TableSize = 21;
 
-constexpr int kMaxPatchDilation = 6;
-constexpr double kSizeOfMaxPatchDilation = 640;  // pixels
+constexpr int kMinPatchDilation = 3;
+constexpr int kMaxPatchDilation = 16;
+constexpr double kSizePerPatchPixel = 270;
 
 template <typename... Values>
 std::string Text(const char* format, const Values... values) {
@@ -134,8 +135,10 @@ SceneDecision ChoosePatchDilation(const Scene& scene,
       sizes.push_back(std::max(camera.width, camera.height));
     }
     const double size = Median(&sizes);
-    loss->patch_dilation = static_cast<int>(std::ceil(
-        kMaxPatchDilation * std::min(1.0, size / kSizeOfMaxPatchDilation)));
+    loss->patch_dilation =
+        std::clamp(static_cast<int>(std::lround(size / kSizePerPatchPixel)),
+                   kMinPatchDilation,
+                   kMaxPatchDilation);
     decision.reason =
         Text("training images have %.0f pixels along their longer side", size);
   }

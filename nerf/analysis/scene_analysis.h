@@ -27,8 +27,8 @@ struct SceneAnalysis {
 // - field.log2_table_size: one entry for four to eight cells that surfaces pass
 //   through at the finest level. As many share one without harm, since coarser
 //   levels tell them apart.
-// - loss.patch_dilation: patches cover the same part of photographs of any size
-//   up to 640 pixels; in larger ones, as many pixels.
+// - loss.patch_dilation: 3 pixels; in training images of more than 950 pixels,
+//   in proportion to their size.
 //
 // Options that are given stay as they are. Photographs are not needed; if they
 // are there, their size counts instead of training.max_image_size, and the

@@ -193,7 +193,6 @@ TEST_F(InputCheckTest, NamesBadImages) {
   EXPECT_THAT(ErrorOfImages(model), HasSubstr("cannot be read"));
 }
 
-#if STRUCTNERF_COLMAP_VERSION < 40000
 TEST_F(InputCheckTest, ImagesHaveColors) {
   const TinyModel model = MakeTinyModel(2);
   model.WriteImages(temp_dir_ / "images");
@@ -208,7 +207,6 @@ TEST_F(InputCheckTest, ImagesHaveColors) {
     }
   }
 }
-#endif
 
 TEST_F(InputCheckTest, MaskFolderMustHoldAMask) {
   MakeTinyModel(2).WriteModel(temp_dir_ / "sparse");

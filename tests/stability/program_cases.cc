@@ -136,7 +136,7 @@ std::vector<StabilityCase> ProgramCases() {
       ".png",
       CV_16UC1,
       257,
-      STRUCTNERF_COLMAP_VERSION < 40000 ? "8 bits per channel" : "");
+      "8 bits per channel");  // COLMAP 4 can read them
   add("16-bit colour PNG", ".png", CV_16UC3, 257);
   add("PNG with transparency", ".png", CV_8UC4, 1);
   add("grey JPEG", ".jpg", CV_8UC1, 1);

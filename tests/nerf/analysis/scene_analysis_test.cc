@@ -107,14 +107,15 @@ TEST(AnalyzeScene, GrowthBetweenLevelsIsLimited) {
   }
 }
 
-TEST(AnalyzeScene, PatchesCoverAsMuchOfSmallPhotographs) {
+TEST(AnalyzeScene, PatchesCoverAsMuchOfAllLargePhotographs) {
   ReconstructionOptions options = PresetOf(1600);
   options.loss.patch_dilation = kFromScene;
-  for (const auto& [width, dilation] : {std::pair(16, 1),
-                                        std::pair(320, 3),
-                                        std::pair(480, 5),
-                                        std::pair(640, 6),
-                                        std::pair(1600, 6)}) {
+  options.training.max_image_size = 10000;
+  for (const auto& [width, dilation] : {std::pair(16, 3),
+                                        std::pair(640, 3),
+                                        std::pair(1024, 4),
+                                        std::pair(1600, 6),
+                                        std::pair(9999, 16)}) {
     const SceneAnalysis analysis = AnalyzeScene(WallScene(4, width), options);
     EXPECT_EQ(analysis.options.loss.patch_dilation, dilation);
     EXPECT_THAT(ChoiceOf(analysis, "patches"),
@@ -122,9 +123,9 @@ TEST(AnalyzeScene, PatchesCoverAsMuchOfSmallPhotographs) {
     EXPECT_THAT(ChoiceOf(analysis, "patches"),
                 HasSubstr(std::to_string(width) + " pixels along"));
   }
-  options.training.max_image_size = 320;
+  options.training.max_image_size = 1080;
   EXPECT_EQ(
-      AnalyzeScene(WallScene(4, 1600), options).options.loss.patch_dilation, 3);
+      AnalyzeScene(WallScene(4, 1600), options).options.loss.patch_dilation, 4);
 }
 
 TEST(AnalyzeScene, DoesWhatItIsTold) {
