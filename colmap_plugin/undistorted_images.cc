@@ -7,13 +7,27 @@
 #include "nerf/progress.h"
 
 #include <algorithm>
+#include <exception>
 #include <filesystem>
 #include <stdexcept>
 #include <vector>
 
 namespace structnerf {
 
+namespace {
+
 namespace fs = std::filesystem;
+
+colmap::Reconstruction ReadBack(const std::string& path) {
+  try {
+    return ReadModel(path);
+  } catch (const std::exception&) {
+    throw std::runtime_error("The undistorted model in " + path +
+                             " could not be written; is the disk full?");
+  }
+}
+
+}  // namespace
 
 void UndistortIntoWorkspace(const colmap::Reconstruction& reconstruction,
                             const std::string& image_path,
@@ -59,7 +73,7 @@ void UndistortIntoWorkspace(const colmap::Reconstruction& reconstruction,
           return report(num_done);
         });
   }
-  CheckWrittenModel(reconstruction, ReadModel(workspace.SparsePath()));
+  CheckWrittenModel(reconstruction, ReadBack(workspace.SparsePath()));
   for (const std::string& file : files) {
     if (IsCutOff(file)) {
       throw std::runtime_error("The image " + file +

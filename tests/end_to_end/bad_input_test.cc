@@ -219,7 +219,7 @@ TEST_F(BadInputTest, FullDisk) {
   model_.cameras[0] = {"SIMPLE_RADIAL", 64, 48, {60, 32, 24, 0.1}};
   model_.WriteModel(temp_dir_ / "sparse/0");
   options_.max_file_size = 5000;
-  ExpectError("the disk is full");
+  ExpectError("is the disk full?");
 }
 
 TEST_F(BadInputTest, WrongOptions) {

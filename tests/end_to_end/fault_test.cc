@@ -166,7 +166,7 @@ TEST_F(FaultTest, FileSystemThatGrows) {
               0);
   }
   EXPECT_TRUE(ReadResult("disk/dense") == expected_);
-  EXPECT_THAT(stages, IsSupersetOf({"", "Checking", "Fusing"}));
+  EXPECT_THAT(stages, IsSupersetOf({"", "Checking", "Averaging"}));
   EXPECT_EQ(umount(disk.c_str()), 0);
 }
 

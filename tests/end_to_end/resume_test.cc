@@ -265,7 +265,8 @@ TEST_F(ResumeTest, KilledWhileResultsAreMoved) {
   fs::create_directories(temp_dir_ / "dense/images");
   fs::rename(StagedPath() + "/" + name, temp_dir_ / "dense/" + name);
   std::ofstream(StagedPath() + "/.resume/commit", std::ios::binary)
-      << name << '\0' << "fused.ply" << '\0';
+      << name << '\0' << "fused.ply" << '\0' << "images/" << '\0' << "stereo/"
+      << '\0' << "stereo/depth_maps/" << '\0';
   EXPECT_THAT(ExpectResult(Command()).error, HasSubstr("Going on"));
 }
 
