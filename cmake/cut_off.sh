@@ -13,6 +13,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
 output=$1 seconds=$2
 shift 2
+require_different_names "$@"
 build_project release colmap-structnerf structnerf_results_table >&2
 program=$build_dir/colmap_plugin/colmap-structnerf
 mkdir -p "$output/runs"

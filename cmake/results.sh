@@ -18,6 +18,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
 output=$1 methods_file=$2
 shift 2
+require_different_names "$@"
 [ -r "$methods_file" ] || die "the file $methods_file cannot be read"
 mapfile -t method_lines < "$methods_file"  # once: it may be a pipe
 build_project release colmap-structnerf structnerf_make_room structnerf_results_table >&2

@@ -11,6 +11,14 @@ readonly source_dir
 say() { echo "[structnerf] $*" >&2; }
 die() { say "error: $*"; exit 1; }
 
+# Ends if two folders have the same name, under which results are kept.
+require_different_names() {
+  local same
+  same=$(basename -a "$@" | sort | uniq -d | head -n 1)
+  [ -z "$same" ] ||
+    die "two scenes are called $same, so their results could not be told apart; rename a folder"
+}
+
 install_packages() {
   if ! grep -qs '^VERSION_CODENAME=bookworm' /etc/os-release; then
     say "not on Debian 12, so what cmake/packages.txt lists is taken to be there"

@@ -1,8 +1,13 @@
 #include "colmap_plugin/child_process.h"
 
+#include "nerf/util/interrupts.h"
+
 #include <cerrno>
+#include <chrono>
+#include <thread>
 
 #include <fcntl.h>
+#include <signal.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -10,6 +15,11 @@
 extern char** environ;
 
 namespace structnerf {
+namespace {
+
+constexpr std::chrono::milliseconds kPollInterval(10);
+
+}  // namespace
 
 int RunChildProcess(const std::string& path,
                     const std::vector<std::string>& arguments,
@@ -36,10 +46,17 @@ int RunChildProcess(const std::string& path,
   if (!has_begun) {
     return -1;
   }
-  while (waitpid(pid, &status, 0) != pid) {
-    if (errno != EINTR) {  // a signal of ours is the program's business, too
+  bool was_told = false;
+  for (pid_t ended = 0; ended != pid; ended = waitpid(pid, &status, WNOHANG)) {
+    if (ended < 0 && errno != EINTR) {
       return -1;
     }
+    // A terminal sends Ctrl-C to both, but `kill` only reaches this process.
+    if (!was_told && ScopedInterrupts::WasTerminated()) {
+      kill(pid, SIGTERM);
+      was_told = true;
+    }
+    std::this_thread::sleep_for(kPollInterval);
   }
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }

@@ -49,8 +49,8 @@ bool ParseTradeoffCommand(const std::vector<std::string>& args,
   manager.AddDefaultOption(
       "ground_truth_path",
       &scene.truth.path,
-      "Folder with 16-bit depth PNGs named after the images; empty = agreement "
-      "between views is measured instead");
+      "Folder with 16-bit depth PNGs named after the images; empty = measured "
+      "by photographs that are kept out");
   manager.AddDefaultOption(
       "depth_scale", &scene.truth.scale, "Their value for one metre");
   return ParseArguments(

@@ -58,6 +58,10 @@ void ColmapLink::ShowModel() {
     return;
   }
   render_->min_track_len = model_min_track_len_;
+  if (model_ == nullptr) {
+    viewer_->ClearReconstruction();  // reloading none leaves the cloud
+    return;
+  }
   viewer_->reconstruction = model_;
   viewer_->ReloadReconstruction();
 }

@@ -92,10 +92,14 @@ DenseWidget::DenseWidget(QWidget* main_window,
 void DenseWidget::Show() {
   const auto model = link_->Model();
   if (!IsRunning() && model != nullptr) {
-    project_image_path_ = link_->ImagePath();
-    if (!project_image_path_.empty()) {
-      options_->image_path = project_image_path_;
+    if (model_ != nullptr) {
+      setup_page_->WriteOptions();  // else what was typed in would be lost
     }
+    const std::string image_path = link_->ImagePath();
+    if (!image_path.empty() && image_path != project_image_path_) {
+      options_->image_path = image_path;
+    }
+    project_image_path_ = image_path;
     const std::string workspace = DefaultWorkspace(*link_);
     const bool is_other_project =
         !default_workspace_.empty() && workspace != default_workspace_;

@@ -124,7 +124,11 @@ void SetupPage::ShowModel(
   max_minutes_->setValue(options_->max_minutes);
   device_->setCurrentText(QString::fromStdString(options_->device));
   overwrite_->setChecked(options_->overwrite);
-  UpdateExpectation();
+  if (quality_is_of_time_) {
+    ChangeTimeLimit(options_->max_minutes);  // another model, another time
+  } else {
+    UpdateExpectation();
+  }
 }
 
 void SetupPage::UpdateExpectation() {
@@ -143,12 +147,14 @@ void SetupPage::ChangePresetTo(const ReconstructionOptions& preset) {
 void SetupPage::ChangeWords() {
   options_->quality = quality_->currentText().toStdString();
   options_->method = method_->currentText().toStdString();
+  quality_is_of_time_ = false;
   ChangePresetTo(MakePreset(options_->method, options_->quality));
 }
 
 void SetupPage::ChangeTimeLimit(const double minutes) {
   options_->max_minutes = minutes;
-  if (minutes > 0) {
+  quality_is_of_time_ = minutes > 0;
+  if (quality_is_of_time_) {
     const QualityChoice choice = ChooseQuality(*options_, forecast_->Cameras());
     options_->quality = choice.quality;
     quality_->setCurrentText(QString::fromStdString(choice.quality));
@@ -157,7 +163,8 @@ void SetupPage::ChangeTimeLimit(const double minutes) {
     preset.stereo.num_iterations = choice.num_sweeps;
     ChangePresetTo(preset);
   } else {
-    UpdateExpectation();
+    // With all of its sweeps.
+    ChangePresetTo(MakePreset(options_->method, options_->quality));
   }
 }
 

@@ -34,6 +34,9 @@ class SetupPage : public QWidget {
   // Says anew what to expect.
   void UpdateExpectation();
 
+  // Takes over what has been typed in.
+  void WriteOptions();
+
  private:
   QLineEdit* AddFolder(const QString& label,
                        const char* name,
@@ -48,10 +51,10 @@ class SetupPage : public QWidget {
   void ChangePresetTo(const ReconstructionOptions& preset);
   void ChangeWords();
   void ChangeTimeLimit(double minutes);
-  void WriteOptions();
 
   StructNerfOptions* const options_;
-  ReconstructionOptions preset_;  // what the method's options started from
+  ReconstructionOptions preset_;     // what the method's options started from
+  bool quality_is_of_time_ = false;  // chosen by the time limit
   std::unique_ptr<RunForecast> forecast_;
   QLineEdit* workspace_path_;
   QLineEdit* image_path_;

@@ -133,7 +133,8 @@ CloudEvaluation EvaluateCloud(const std::string& ply_path,
       metres_per_unit, truth->Image(truth->Names().front()).ProjectionCenter()};
   std::vector<Eigen::Vector3d> predicted = ReadCloud(
       ply_path, frame, options.voxel_size, &evaluation.num_fused_points);
-  if (options.mask_unobserved) {
+  // Where the truth is masked, nothing is compared.
+  if (options.mask_unobserved || truth->HasMasks()) {
     const size_t num_points = predicted.size();
     predicted = KeepObserved(predicted, frame, *truth, progress);
     evaluation.num_unobserved_points = num_points - predicted.size();

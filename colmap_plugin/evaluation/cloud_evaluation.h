@@ -14,7 +14,7 @@ struct CloudEvaluationOptions {
   double voxel_size = 0.01;
 
   // Leave out predicted points where nobody measured: those that project into
-  // no pixel with truth.
+  // no pixel with truth. They always are where the truth has masks.
   bool mask_unobserved = false;
 
   // Throws std::runtime_error, naming the option, if one is wrong.

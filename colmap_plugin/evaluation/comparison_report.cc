@@ -26,7 +26,9 @@ json OptionalJson(const std::optional<Value>& value) {
 
 json AgreementJson(const MapAgreement& agreement) {
   json object = {{"common_pixels", agreement.num_common},
-                 {"median_relative_difference", agreement.median_difference}};
+                 {"median_relative_difference",
+                  agreement.num_common > 0 ? json(agreement.median_difference)
+                                           : json(nullptr)}};
   for (size_t i = 0; i < kAgreementThresholds.size(); ++i) {
     object[FormatNumber("within_%g%%", 100 * kAgreementThresholds[i])] =
         agreement.shares[i];
@@ -83,6 +85,18 @@ class RowMaker {
     });
   }
 
+  // Likewise, of predictions only.
+  void AddError(const std::string& name,
+                const char* format,
+                const std::function<double(const SplitDepthMetrics&)>& value) {
+    Add(name, [&](const ComparedWorkspace& workspace) {
+      const SplitDepthMetrics* metrics = MetricsOf(workspace);
+      return metrics == nullptr || metrics->all.num_predictions == 0
+                 ? std::string(kUnknown)
+                 : FormatNumber(format, value(*metrics));
+    });
+  }
+
   std::vector<ComparisonRow> Take() { return std::move(rows_); }
 
  private:
@@ -108,12 +122,12 @@ void AddTruthRows(RowMaker* rows) {
   percent_within("Within 5 cm, % of the untextured ones",
                  1,
                  &SplitDepthMetrics::untextured);
-  rows->AddMetric("Median error, cm, where there is depth",
-                  "%.2f",
-                  [](const SplitDepthMetrics& metrics) {
-                    return 100 * metrics.all.median_error;
-                  });
-  rows->AddMetric(
+  rows->AddError("Median error, cm, where there is depth",
+                 "%.2f",
+                 [](const SplitDepthMetrics& metrics) {
+                   return 100 * metrics.all.median_error;
+                 });
+  rows->AddError(
       "RMSE, m, where there is depth",
       "%.3f",
       [](const SplitDepthMetrics& metrics) { return metrics.all.rmse; });

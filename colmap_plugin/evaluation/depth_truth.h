@@ -37,6 +37,7 @@ class DepthTruth {
   explicit DepthTruth(const DepthTruthOptions& options);
 
   bool Has(const std::string& image_name) const;
+  bool HasMasks() const { return !options_.mask_path.empty(); }
 
   // Metres, 0 = no value. Throws std::runtime_error, naming the file, if it is
   // missing or no 16-bit grey image, does not have the proportions of the

@@ -83,20 +83,24 @@ void AppendCloud(const CloudEvaluation& cloud,
                  const CloudEvaluationOptions& options,
                  std::string* text) {
   const CloudMetrics& metrics = cloud.metrics;
+  const bool known =
+      metrics.num_predicted_points > 0 && metrics.num_true_points > 0;
+  const auto centimetres = [&](const double metres) {
+    return Number("%.2f", 100 * metres, known);
+  };
   AppendF(text,
           "Cloud: %zu points, %zu in voxels of %g cm (%zu more unobserved), "
           "truth %zu\n"
-          "  accuracy %.2f cm (median %.2f), completeness %.2f cm (median "
-          "%.2f)\n",
+          "  accuracy %s cm (median %s), completeness %s cm (median %s)\n",
           cloud.num_fused_points,
           metrics.num_predicted_points,
           100 * options.voxel_size,
           cloud.num_unobserved_points,
           metrics.num_true_points,
-          100 * metrics.accuracy_mean,
-          100 * metrics.accuracy_median,
-          100 * metrics.completeness_mean,
-          100 * metrics.completeness_median);
+          centimetres(metrics.accuracy_mean).c_str(),
+          centimetres(metrics.accuracy_median).c_str(),
+          centimetres(metrics.completeness_mean).c_str(),
+          centimetres(metrics.completeness_median).c_str());
   for (size_t i = 0; i < metrics.precision.size(); ++i) {
     AppendF(text,
             "  at %4s: precision %5.1f %%, recall %5.1f %%, F %5.1f %%\n",

@@ -35,6 +35,9 @@ class TruthViews {
   const colmap::Image& Image(const std::string& name) const;
   const colmap::Camera& Camera(const std::string& name) const;
 
+  // Whether some truth is not to be compared with.
+  bool HasMasks() const { return truth_.HasMasks(); }
+
   // Metres, 0 = no value, or none that is to be compared with.
   cv::Mat1f Depth(const std::string& name) const;
 

@@ -34,6 +34,17 @@ void PutText(const std::string& text,
       *plot, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.5, color, 1, cv::LINE_AA);
 }
 
+// 1, 2, 5, 10, ... seconds.
+std::vector<double> TimeTicks() {
+  std::vector<double> ticks;
+  for (double decade = 0.001; decade < 1e9; decade *= 10) {
+    for (const int digit : {1, 2, 5}) {
+      ticks.push_back(decade * digit);
+    }
+  }
+  return ticks;
+}
+
 class Axes {
  public:
   explicit Axes(const std::vector<TradeoffPoint>& points) {
@@ -50,6 +61,21 @@ class Axes {
     // Room for names, and for what is the same everywhere.
     max_log_ += 0.35 * (max_log_ - min_log_) + 0.2;
     min_log_ -= 0.1;
+    // From tick to tick, so that there are two at least.
+    double first = min_log_;
+    double last = max_log_;
+    for (const double seconds : TimeTicks()) {
+      const double tick = std::log(seconds);
+      if (tick <= min_log_) {
+        first = tick;
+      }
+      if (tick >= max_log_) {
+        last = tick;
+        break;
+      }
+    }
+    min_log_ = first;
+    max_log_ = last;
     const double margin = 0.1 * (max_error - min_error) + 0.005;
     min_error_ = std::max(0.0, min_error - margin);
     max_error_ = std::min(1.0, max_error + margin);
@@ -71,21 +97,17 @@ class Axes {
       PutText(
           FormatNumber("%.1f", 100 * error), {10, left.y + 5}, kBlack, plot);
     }
-    // 1, 2, 5, 10, ... seconds.
-    for (double decade = 0.001; decade < 1e9; decade *= 10) {
-      for (const int digit : {1, 2, 5}) {
-        const double seconds = decade * digit;
-        if (std::log(seconds) < min_log_ || std::log(seconds) > max_log_) {
-          continue;
-        }
-        const cv::Point bottom = At(seconds, min_error_);
-        cv::line(*plot, bottom, At(seconds, max_error_), kGrey);
-        PutText(
-            seconds < 1 ? FormatNumber("%g s", seconds) : DurationText(seconds),
-            {bottom.x - 15, bottom.y + 20},
-            kBlack,
-            plot);
+    for (const double seconds : TimeTicks()) {
+      if (std::log(seconds) < min_log_ || std::log(seconds) > max_log_) {
+        continue;
       }
+      const cv::Point bottom = At(seconds, min_error_);
+      cv::line(*plot, bottom, At(seconds, max_error_), kGrey);
+      PutText(
+          seconds < 1 ? FormatNumber("%g s", seconds) : DurationText(seconds),
+          {bottom.x - 15, bottom.y + 20},
+          kBlack,
+          plot);
     }
     PutText(error_name, {10, 25}, kBlack, plot);
     PutText("wall time", {kWidth - 110, kHeight - 15}, kBlack, plot);

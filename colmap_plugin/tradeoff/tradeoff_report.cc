@@ -63,6 +63,18 @@ double MeanCpuSeconds(const MeasuredSetting& setting) {
   return sum / static_cast<double>(setting.measurements.size());
 }
 
+// -1 = none.
+double MeanHeldOutPsnr(const MeasuredSetting& setting) {
+  double sum = 0;
+  for (const TradeoffMeasurement& measurement : setting.measurements) {
+    if (measurement.held_out_psnr < 0) {
+      return -1;
+    }
+    sum += measurement.held_out_psnr;
+  }
+  return sum / static_cast<double>(setting.measurements.size());
+}
+
 size_t PeakBytes(const MeasuredSetting& setting) {
   size_t peak = 0;
   for (const TradeoffMeasurement& measurement : setting.measurements) {
@@ -85,11 +97,14 @@ std::string TradeoffJson(const TradeoffScene& scene,
   for (size_t i = 0; i < settings.size(); ++i) {
     json runs = json::array();
     for (const TradeoffMeasurement& measurement : settings[i].measurements) {
-      runs.push_back({{"seconds", measurement.seconds},
-                      {"cpu_seconds", measurement.cpu_seconds},
-                      {"peak_bytes", measurement.peak_bytes},
-                      {"error", measurement.error},
-                      {"held_out_psnr", measurement.held_out_psnr}});
+      runs.push_back(
+          {{"seconds", measurement.seconds},
+           {"cpu_seconds", measurement.cpu_seconds},
+           {"peak_bytes", measurement.peak_bytes},
+           {"error", measurement.error},
+           {"held_out_psnr",
+            measurement.held_out_psnr < 0 ? json(nullptr)
+                                          : json(measurement.held_out_psnr)}});
     }
     object["settings"].push_back({{"name", settings[i].setting.name},
                                   {"is_on_front", is_on_front[i] == true},
@@ -124,7 +139,7 @@ std::string TradeoffHtml(const TradeoffScene& scene,
                                                  "on the front"}};
   std::vector<HtmlPicture> pictures;
   for (size_t i = 0; i < settings.size(); ++i) {
-    const TradeoffMeasurement& first = settings[i].measurements[0];
+    const double psnr = MeanHeldOutPsnr(settings[i]);
     rows.push_back(
         {points[i].name,
          DurationText(points[i].seconds),
@@ -134,8 +149,7 @@ std::string TradeoffHtml(const TradeoffScene& scene,
          FormatNumber("%.1f", 100 * points[i].error) + " (" +
              FormatNumber("%.1f", 100 * points[i].min_error) + " to " +
              FormatNumber("%.1f", 100 * points[i].max_error) + ")",
-         first.held_out_psnr < 0 ? "-"
-                                 : FormatNumber("%.2f", first.held_out_psnr),
+         psnr < 0 ? "-" : FormatNumber("%.2f", psnr),
          std::to_string(settings[i].measurements.size()),
          is_on_front[i] ? "yes" : "no"});
     const cv::Mat3b picture =

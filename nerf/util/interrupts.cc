@@ -30,8 +30,6 @@ void HandleInterrupt(const int signal_number) {
 }  // namespace
 
 ScopedInterrupts::ScopedInterrupts() {
-  num_interrupts = 0;
-  num_terminations = 0;
   struct sigaction action = {};
   action.sa_handler = HandleInterrupt;
   sigemptyset(&action.sa_mask);
@@ -43,6 +41,8 @@ ScopedInterrupts::ScopedInterrupts() {
 ScopedInterrupts::~ScopedInterrupts() {
   sigaction(SIGINT, &previous_int_action, nullptr);
   sigaction(SIGTERM, &previous_term_action, nullptr);
+  num_interrupts = 0;
+  num_terminations = 0;
 }
 
 int ScopedInterrupts::Count() { return num_interrupts; }

@@ -13,7 +13,7 @@ class ScopedInterrupts {
   ScopedInterrupts(const ScopedInterrupts&) = delete;
   ScopedInterrupts& operator=(const ScopedInterrupts&) = delete;
 
-  // Since the construction.
+  // Since the construction; none without an object.
   static int Count();
   static bool WasTerminated();  // by SIGTERM
 };

@@ -1,6 +1,13 @@
 #include "colmap_plugin/child_process.h"
 
+#include "nerf/util/interrupts.h"
+
+#include <chrono>
+#include <thread>
+
 #include <gtest/gtest.h>
+#include <signal.h>
+#include <unistd.h>
 
 namespace structnerf {
 namespace {
@@ -16,6 +23,18 @@ TEST(ChildProcess, ASignalIsAFailure) {
 
 TEST(ChildProcess, AMissingProgramIsAFailure) {
   EXPECT_NE(RunChildProcess("/no/such/program", {}, true), 0);
+}
+
+TEST(ChildProcess, IsTerminatedWithUs) {
+  const ScopedInterrupts interrupts;
+  std::thread terminator([]() {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    kill(getpid(), SIGTERM);
+  });
+  EXPECT_EQ(RunChildProcess(
+                "/bin/sh", {"-c", "trap 'exit 5' TERM; sleep 60 & wait"}, true),
+            5);
+  terminator.join();
 }
 
 TEST(ChildProcess, OutputIsKeptOrNot) {

@@ -234,6 +234,14 @@ TEST_F(DenseWindowTest, RunsToTheEndAndShowsTheResults) {
   Screenshot(&window_->Window(), "cloud");
   EXPECT_TRUE(IsFusionOffered(WorkspacePath()));
   EXPECT_FALSE(IsFusionOffered(*temp_dir_ / "room"));
+
+  // Where no model was shown before the cloud, none is after it.
+  Viewer()->ClearReconstruction();
+  Click("show_cloud");
+  ASSERT_TRUE(WaitForCloud());
+  Click("show_model");
+  EXPECT_TRUE(Viewer()->points3D.empty());
+  EXPECT_EQ(Viewer()->reconstruction, nullptr);
 }
 
 }  // namespace

@@ -10,6 +10,8 @@
 #include <QLineEdit>
 #include <QTest>
 #include <filesystem>
+#include <string>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -36,8 +38,44 @@ TEST_F(SetupPageTest, ATimeLimitChoosesTheQuality) {
   EXPECT_EQ(Find<QComboBox>("quality")->currentText(), "low");
   EXPECT_EQ(options_.reconstruction.training.num_steps,
             QualityPreset("low").training.num_steps);
+  EXPECT_EQ(options_.reconstruction.stereo.num_iterations, 0);
   EXPECT_THAT(Find<QLabel>("expectation")->text().toStdString(),
               HasSubstr("about"));
+  // Without it, there is time for all sweeps.
+  max_minutes->setValue(0);
+  EXPECT_EQ(options_.reconstruction.stereo.num_iterations,
+            QualityPreset("low").stereo.num_iterations);
+}
+
+TEST_F(SetupPageTest, AnotherModelMayNeedAnotherQuality) {
+  OpenDialog();
+  auto* max_minutes = Find<QDoubleSpinBox>("max_minutes");
+  max_minutes->setValue(1000);
+  EXPECT_EQ(options_.quality, "high");
+  options_.max_minutes = 0.01;
+  Item()->trigger();
+  EXPECT_EQ(Find<QComboBox>("quality")->currentText(), "low");
+  // Chosen by hand, it stays.
+  auto* quality = Find<QComboBox>("quality");
+  quality->setCurrentText("high");
+  emit quality->activated(quality->currentIndex());
+  Item()->trigger();
+  EXPECT_EQ(options_.quality, "high");
+}
+
+TEST_F(SetupPageTest, WhatIsTypedInStaysWhenTheDialogIsRaised) {
+  OpenDialog();
+  const std::pair<const char*, const char*> typed[] = {
+      {"workspace_path", "/my/workspace"},
+      {"image_path", "/my/images"},
+      {"mask_path", "/my/masks"}};
+  for (const auto& [name, path] : typed) {
+    Find<QLineEdit>(name)->setText(path);
+  }
+  Item()->trigger();
+  for (const auto& [name, path] : typed) {
+    EXPECT_EQ(Find<QLineEdit>(name)->text().toStdString(), path);
+  }
 }
 
 TEST_F(SetupPageTest, WordsKeepWhatWasChanged) {

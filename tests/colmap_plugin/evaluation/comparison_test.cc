@@ -123,6 +123,21 @@ TEST_F(ComparisonTest, ComparesBothWithTheTruth) {
   EXPECT_THAT(ComparisonText(comparison), HasSubstr("Within 5 cm, %"));
 }
 
+TEST_F(ComparisonTest, NothingIsNotPerfect) {
+  WriteMaps(0, "0.png", 4, 64);
+  WriteMaps(1, "0.png", 0, 64);
+  WriteTruth();
+  const Comparison comparison = Compare(options_, &progress_);
+  for (const ComparisonRow& row : ComparisonRows(comparison)) {
+    if (row.name.find("where there is depth") != std::string::npos) {
+      EXPECT_NE(row.values[0], "-") << row.name;
+      EXPECT_EQ(row.values[1], "-") << row.name;
+    }
+  }
+  const auto json = nlohmann::json::parse(ComparisonJson(comparison));
+  EXPECT_TRUE(json["agreement"]["median_relative_difference"].is_null());
+}
+
 TEST_F(ComparisonTest, PageShowsAllViewsAndNeedsNoOtherFile) {
   for (size_t i = 0; i < 2; ++i) {
     for (const char* name : {"0.png", "1.png", "<&>.png"}) {
@@ -166,6 +181,7 @@ TEST_F(ComparisonTest, PageLeavesOutErrorsOfMapsThatAreMissing) {
   const std::string html = ComparisonHtml(Compare(options_, &progress_));
   EXPECT_THAT(html, HasSubstr("alt=\"Error A of 0.png\""));
   EXPECT_THAT(html, HasSubstr("alt=\"Error B of 1.png\""));
+  EXPECT_THAT(html, Not(HasSubstr("alt=\"Error B of 0.png\"")));
 }
 
 TEST_F(ComparisonTest, PicturesSomeViewsAndMeasuresAll) {

@@ -192,6 +192,26 @@ TEST_F(EvaluatorTest, CloudIsMeasuredInMetres) {
   const Evaluation observed = Evaluate(options_, &progress_);
   EXPECT_EQ(observed.cloud->num_unobserved_points, 1);
   EXPECT_EQ(observed.cloud->metrics.precision[1], 1);
+
+  // Where the truth is masked, nothing is compared, whatever is said of what
+  // nobody has measured.
+  options_.cloud.mask_unobserved = false;
+  options_.truth.mask_path = temp_dir_ / "truth_masks";
+  fs::create_directories(options_.truth.mask_path);
+  cv::Mat1b mask(48, 64, uchar{255});
+  mask.rowRange(0, 24) = 0;
+  for (const char* name : {"0.png", "1.png", "2.png"}) {
+    cv::imwrite(options_.truth.mask_path + "/" + name, mask);
+  }
+  const Evaluation masked = Evaluate(options_, &progress_);
+  EXPECT_GT(masked.cloud->num_unobserved_points, 100);
+  EXPECT_EQ(masked.cloud->metrics.precision[1], 1);
+}
+
+TEST_F(EvaluatorTest, AnEmptyCloudIsNotPerfect) {
+  colmap::WriteBinaryPlyPoints(workspace_.FusedPath(), {});
+  const std::string text = EvaluationText(Evaluate(options_, &progress_));
+  EXPECT_THAT(text, HasSubstr("accuracy - cm (median -), completeness - cm"));
 }
 
 TEST_F(EvaluatorTest, JsonSaysWhatIsNotKnown) {

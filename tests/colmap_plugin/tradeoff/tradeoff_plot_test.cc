@@ -1,5 +1,9 @@
 #include "colmap_plugin/tradeoff/tradeoff_plot.h"
 
+#include <algorithm>
+#include <map>
+#include <utility>
+
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
@@ -34,6 +38,27 @@ TEST(TradeoffPlot, OnePointAndEqualPointsCanBeDrawn) {
     const TradeoffPoint point = {"only", 12, error, error, error};
     EXPECT_GT(CountPixels(PlotTradeoff({point}, "error"), kFront), 30);
     EXPECT_GT(CountPixels(PlotTradeoff({point, point}, "error"), kFront), 30);
+  }
+}
+
+// Grey verticals, which cross the middle of the plot's height.
+TEST(TradeoffPlot, TheTimeAxisHasTwoValuesAtLeast) {
+  const cv::Vec3b grey(215, 215, 215);
+  for (const auto& [first, last] :
+       {std::pair(12.0, 12.0), {30.0, 33.0}, {0.3, 0.3}, {1.0, 5000.0}}) {
+    const cv::Mat3b plot = PlotTradeoff(
+        {{"a", first, 0.1, 0.1, 0.1}, {"b", last, 0.9, 0.9, 0.9}}, "error");
+    std::map<int, int> grey_pixels;  // by column
+    for (int row = 0; row < plot.rows; ++row) {
+      for (int col = 0; col < plot.cols; ++col) {
+        grey_pixels[col] += plot(row, col) == grey;
+      }
+    }
+    const auto num_lines = std::count_if(
+        grey_pixels.begin(), grey_pixels.end(), [&](const auto& column) {
+          return column.second > plot.rows / 2;
+        });
+    EXPECT_GE(num_lines, 2) << first;
   }
 }
 

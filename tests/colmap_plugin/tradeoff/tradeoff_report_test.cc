@@ -51,6 +51,9 @@ TEST_F(TradeoffReportTest, WritesPageNumbersAndPlot) {
   const std::string page = ReadText(temp_dir_ / "tradeoff.html");
   EXPECT_THAT(page, HasSubstr("data:image/png;base64,"));
   EXPECT_THAT(page, HasSubstr("41.0 (40.0 to 42.0)"));
+  EXPECT_THAT(page, HasSubstr("22.40"));  // of both seeds
+  EXPECT_EQ(object["settings"][0]["runs"][0]["held_out_psnr"], 22.5);
+  EXPECT_TRUE(object["settings"][1]["runs"][0]["held_out_psnr"].is_null());
   EXPECT_THAT(page, HasSubstr("quality=&lt;b&gt;"));
   EXPECT_THAT(page, HasSubstr("There was no ground truth, and no photograph"));
 

@@ -17,6 +17,7 @@ TEST(Interrupts, CountsFromZeroInEachScope) {
     EXPECT_EQ(ScopedInterrupts::Count(), 2);
     EXPECT_FALSE(ScopedInterrupts::WasTerminated());
   }
+  EXPECT_EQ(ScopedInterrupts::Count(), 0);
   const ScopedInterrupts interrupts;
   EXPECT_EQ(ScopedInterrupts::Count(), 0);
 }
