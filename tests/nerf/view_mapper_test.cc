@@ -94,6 +94,23 @@ TEST_F(ViewMapperTest, KeepsOnlyWhatOthersConfirm) {
   EXPECT_GT(ConfirmedShare({(*depth)[0]}), 0.3);
 }
 
+// As in training, where nothing in front of the bounds is learned.
+TEST_F(ViewMapperTest, RaysStayWithinTheirBounds) {
+  for (View& view : scene_.views) {
+    view.near_depth.assign(64 * 48, 3);
+    view.far_depth.assign(64 * 48, 5);
+  }
+  size_t num_rays = 0;
+  engine_.depth = [&](const RayTile& rays, const int ray) {
+    EXPECT_NEAR(rays.near[ray], 3 * frame_.scale, 1e-5);
+    EXPECT_NEAR(rays.far[ray], 5 * frame_.scale, 1e-5);
+    ++num_rays;
+    return static_cast<float>(4 * frame_.scale);
+  };
+  EXPECT_NE(Match({0, 1, 2, 3}), nullptr);
+  EXPECT_GT(num_rays, 0u);
+}
+
 TEST_F(ViewMapperTest, ViewsThatAreNotAskedForHaveNoSay) {
   sources_ = {{1, 2}, {0, 2}, {0, 1}, {0, 1, 2}};
   const auto depth = Match({0, 1, 2});
