@@ -28,12 +28,14 @@ TEST(ChildProcess, AMissingProgramIsAFailure) {
 TEST(ChildProcess, IsTerminatedWithUs) {
   const ScopedInterrupts interrupts;
   std::thread terminator([]() {
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
     kill(getpid(), SIGTERM);
   });
-  EXPECT_EQ(RunChildProcess(
-                "/bin/sh", {"-c", "trap 'exit 5' TERM; sleep 60 & wait"}, true),
-            5);
+  EXPECT_EQ(
+      RunChildProcess("/bin/sh",
+                      {"-c", "trap 'kill $!; exit 5' TERM; sleep 60 & wait"},
+                      true),
+      5);
   terminator.join();
 }
 
