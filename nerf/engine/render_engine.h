@@ -145,9 +145,9 @@ class RenderEngine {
 
   // Everything that later steps depend on, unrounded: parameters, moments,
   // density cache, counts. To be called between Update() and Accumulate(). An
-  // engine of the same options that loads it goes on to the very same numbers,
-  // on any number of threads; on a graphics card, up to rounding. LoadState throws std::runtime_error if the state
-  // is that of another layout.
+  // engine of the same options that loads it goes on to the very same numbers
+  // on any number of threads (up to rounding on a graphics card). LoadState
+  // throws std::runtime_error if the state is that of another layout.
   virtual void SaveState(StateWriter* writer) const = 0;
   virtual void LoadState(StateReader* reader) = 0;
 
