@@ -82,8 +82,8 @@ CentredWorkspace::CentredWorkspace(const DenseWorkspace& workspace)
     idxs[names[i]] = static_cast<int>(i);
   }
   image_idxs_.clear();
-  const colmap::Reconstruction written = ReadModel(centred.SparsePath());
-  CheckWrittenModel(reconstruction, written);
+  const colmap::Reconstruction written =
+      ReadWrittenModel(reconstruction, centred.SparsePath());
   for (const std::string& name : ImageNames(written)) {
     image_idxs_.push_back(idxs.at(name));
   }

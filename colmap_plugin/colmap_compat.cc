@@ -39,31 +39,6 @@ void CheckUndistorted(const colmap::Reconstruction& reconstruction,
   }
 }
 
-#if STRUCTNERF_COLMAP_VERSION < 40000
-// Of an image file; the type is FIT_UNKNOWN if it cannot be read.
-struct Header {
-  FREE_IMAGE_TYPE type = FIT_UNKNOWN;
-  int width = 0;
-  int height = 0;
-};
-
-Header ReadHeader(const std::string& path) {
-  Header header;
-  const FREE_IMAGE_FORMAT format = FreeImage_GetFileType(path.c_str(), 0);
-  FIBITMAP* const bitmap =
-      format == FIF_UNKNOWN
-          ? nullptr
-          : FreeImage_Load(format, path.c_str(), FIF_LOAD_NOPIXELS);
-  if (bitmap != nullptr) {
-    header.type = FreeImage_GetImageType(bitmap);
-    header.width = static_cast<int>(FreeImage_GetWidth(bitmap));
-    header.height = static_cast<int>(FreeImage_GetHeight(bitmap));
-    FreeImage_Unload(bitmap);
-  }
-  return header;
-}
-#endif
-
 }  // namespace
 
 void InitializeColmap(char** argv) {
@@ -135,29 +110,29 @@ bool ImagePointFromRay(const colmap::Camera& camera,
   return image_point->allFinite();
 }
 
-bool ReadImageSize(const std::string& path, int* width, int* height) {
+bool ReadImageHeader(const std::string& path, ImageHeader* header) {
 #if STRUCTNERF_COLMAP_VERSION >= 40000
   colmap::Bitmap bitmap;
   if (!bitmap.Read(path)) {
     return false;
   }
-  *width = bitmap.Width();
-  *height = bitmap.Height();
+  *header = {bitmap.Width(), bitmap.Height(), /*has_readable_colors=*/true};
   return true;
 #else
-  const Header header = ReadHeader(path);
-  *width = header.width;
-  *height = header.height;
-  return header.type != FIT_UNKNOWN;
-#endif
-}
-
-bool HasReadableColors([[maybe_unused]] const std::string& path) {
-#if STRUCTNERF_COLMAP_VERSION >= 40000
+  const FREE_IMAGE_FORMAT format = FreeImage_GetFileType(path.c_str(), 0);
+  if (format == FIF_UNKNOWN) {
+    return false;
+  }
+  FIBITMAP* bitmap = FreeImage_Load(format, path.c_str(), FIF_LOAD_NOPIXELS);
+  if (bitmap == nullptr) {
+    return false;
+  }
+  const FREE_IMAGE_TYPE type = FreeImage_GetImageType(bitmap);
+  *header = {static_cast<int>(FreeImage_GetWidth(bitmap)),
+             static_cast<int>(FreeImage_GetHeight(bitmap)),
+             type == FIT_BITMAP || type == FIT_RGB16 || type == FIT_RGBA16};
+  FreeImage_Unload(bitmap);
   return true;
-#else
-  const FREE_IMAGE_TYPE type = ReadHeader(path).type;
-  return type == FIT_BITMAP || type == FIT_RGB16 || type == FIT_RGBA16;
 #endif
 }
 

@@ -42,14 +42,18 @@ bool ImagePointFromRay(const colmap::Camera& camera,
                        const Eigen::Vector2d& ray,
                        Eigen::Vector2d* image_point);
 
-// The size in pixels that the image file's header states. Returns false if
-// COLMAP cannot read the file.
-bool ReadImageSize(const std::string& path, int* width, int* height);
+// What the head of an image file states.
+struct ImageHeader {
+  int width = 0;  // pixels
+  int height = 0;
 
-// Whether COLMAP can read the image file in colour. Before version 4 it fails
-// to for 16-bit grey and floating-point pixels, though it finds features in
-// them.
-bool HasReadableColors(const std::string& path);
+  // Whether COLMAP can read it in colour. Before version 4 it fails to for
+  // 16-bit grey and floating-point pixels, though it finds features in them.
+  bool has_readable_colors = false;
+};
+
+// Returns false if COLMAP cannot read the file.
+bool ReadImageHeader(const std::string& path, ImageHeader* header);
 
 // Creates COLMAP's dense workspace in the existing folder `output_path`:
 // undistorted images, sparse model, stereo folders and configurations. Calls

@@ -249,8 +249,12 @@ void DenseWorkspace::WriteConfigs(
   }
   WriteWholeFile(ConfigPath(kPatchMatchConfig),
                  [&](std::ostream* stream) { *stream << patch_match.str(); });
-  WriteWholeFile(ConfigPath(kFusionConfig),
+  WriteWholeFile(FusionConfigPath(),
                  [&](std::ostream* stream) { *stream << fusion.str(); });
+}
+
+std::string DenseWorkspace::FusionConfigPath() const {
+  return ConfigPath(kFusionConfig);
 }
 
 void DenseWorkspace::CopyConfigsOf(const DenseWorkspace& other) const {

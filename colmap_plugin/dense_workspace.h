@@ -98,6 +98,8 @@ class DenseWorkspace {
   void WriteConfigs(const std::vector<std::string>& image_names,
                     const std::vector<std::vector<int>>& source_idxs) const;
 
+  std::string FusionConfigPath() const;
+
   // Takes those of the two that `other` has from there: somebody may have
   // chosen images or sources in them.
   void CopyConfigsOf(const DenseWorkspace& other) const;

@@ -174,8 +174,7 @@ void CheckModel(const colmap::Reconstruction& reconstruction) {
 
 void CheckFusionConfig(const std::string& workspace_path,
                        const std::vector<std::string>& image_names) {
-  const std::string path =
-      (fs::path(workspace_path) / "stereo/fusion.cfg").string();
+  const std::string path = DenseWorkspace(workspace_path).FusionConfigPath();
   const std::unordered_set<std::string> names(image_names.begin(),
                                               image_names.end());
   std::ifstream file(path);
@@ -214,10 +213,9 @@ void CheckImages(const colmap::Reconstruction& reconstruction,
                                " of the model does not exist; check the image "
                                "folder.");
     }
-    int width = 0;
-    int height = 0;
+    ImageHeader header;
     if (!fs::is_regular_file(path) || !std::ifstream(path).is_open() ||
-        !ReadImageSize(path, &width, &height)) {
+        !ReadImageHeader(path, &header)) {
       throw std::runtime_error(
           "The image " + path +
           " cannot be read; check its permissions and that it is an image.");
@@ -227,16 +225,16 @@ void CheckImages(const colmap::Reconstruction& reconstruction,
                                " is cut off, its end is missing; copy it "
                                "again.");
     }
-    if (!HasReadableColors(path)) {
+    if (!header.has_readable_colors) {
       throw std::runtime_error("The image " + path +
                                " has a pixel format that COLMAP reads no "
                                "colours from (such as 16-bit grey); convert "
                                "the images to 8 bits per channel.");
     }
-    if (static_cast<size_t>(width) != camera.width ||
-        static_cast<size_t>(height) != camera.height) {
+    if (static_cast<size_t>(header.width) != camera.width ||
+        static_cast<size_t>(header.height) != camera.height) {
       throw std::runtime_error(
-          "The image " + path + " is " + SizeText(width, height) +
+          "The image " + path + " is " + SizeText(header.width, header.height) +
           ", but its camera in the model is " +
           SizeText(camera.width, camera.height) +
           "; use the images that the model was made from.");
@@ -347,6 +345,19 @@ void CheckWrittenModel(const colmap::Reconstruction& original,
     throw std::runtime_error(
         "The undistorted model could not be written; is the disk full?");
   }
+}
+
+colmap::Reconstruction ReadWrittenModel(const colmap::Reconstruction& original,
+                                        const std::string& path) {
+  colmap::Reconstruction written;
+  try {
+    written = ReadModel(path);
+  } catch (const std::exception&) {
+    throw std::runtime_error("The undistorted model in " + path +
+                             " could not be written; is the disk full?");
+  }
+  CheckWrittenModel(original, written);
+  return written;
 }
 
 std::vector<std::string> ImageNames(

@@ -55,6 +55,10 @@ void CheckExport(const std::string& export_path);
 void CheckWrittenModel(const colmap::Reconstruction& original,
                        const colmap::Reconstruction& written);
 
+// Reads back what COLMAP has made of `original`, and checks it like that.
+colmap::Reconstruction ReadWrittenModel(const colmap::Reconstruction& original,
+                                        const std::string& path);
+
 // Names of the registered images in the model's order.
 std::vector<std::string> ImageNames(
     const colmap::Reconstruction& reconstruction);

@@ -265,21 +265,20 @@ void StructNerfController::UndistortImages() {
     if (!options_.mask_path.empty()) {
       mask_path_ = (fs::path(workspace_->ReportFolder()) / "masks").string();
     }
-    UndistortIntoWorkspace(
-        *reconstruction_,
-        options_.image_path,
-        options_.mask_path,
-        mask_path_,
-        *workspace_,
-        memory_plan_.num_decoded_images,
-        [&](const size_t num_done) {
-          stage.Report(num_done, reconstruction_->NumRegImages());
-          return progress_->ShouldStop();
-        },
-        journal_.get());
-    // The order of the images in this file is what the results refer to.
-    reconstruction_ = std::make_shared<colmap::Reconstruction>(
-        ReadModel(workspace_->SparsePath()));
+    // The order of the images in this one is what the results refer to.
+    reconstruction_ =
+        std::make_shared<colmap::Reconstruction>(UndistortIntoWorkspace(
+            *reconstruction_,
+            options_.image_path,
+            options_.mask_path,
+            mask_path_,
+            *workspace_,
+            memory_plan_.num_decoded_images,
+            [&](const size_t num_done) {
+              stage.Report(num_done, reconstruction_->NumRegImages());
+              return progress_->ShouldStop();
+            },
+            journal_.get()));
   }
   image_names_ = ImageNames(*reconstruction_);
   workspace_->CreateFolders(image_names_);

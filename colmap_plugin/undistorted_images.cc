@@ -7,36 +7,23 @@
 #include "nerf/progress.h"
 
 #include <algorithm>
-#include <exception>
 #include <filesystem>
 #include <stdexcept>
 #include <vector>
 
 namespace structnerf {
 
-namespace {
-
 namespace fs = std::filesystem;
 
-colmap::Reconstruction ReadBack(const std::string& path) {
-  try {
-    return ReadModel(path);
-  } catch (const std::exception&) {
-    throw std::runtime_error("The undistorted model in " + path +
-                             " could not be written; is the disk full?");
-  }
-}
-
-}  // namespace
-
-void UndistortIntoWorkspace(const colmap::Reconstruction& reconstruction,
-                            const std::string& image_path,
-                            const std::string& mask_path,
-                            const std::string& undistorted_mask_path,
-                            const DenseWorkspace& workspace,
-                            const int num_threads,
-                            const std::function<bool(size_t)>& report,
-                            FileJournal* journal) {
+colmap::Reconstruction UndistortIntoWorkspace(
+    const colmap::Reconstruction& reconstruction,
+    const std::string& image_path,
+    const std::string& mask_path,
+    const std::string& undistorted_mask_path,
+    const DenseWorkspace& workspace,
+    const int num_threads,
+    const std::function<bool(size_t)>& report,
+    FileJournal* journal) {
   std::vector<std::string> files;
   for (const std::string& name : ImageNames(reconstruction)) {
     files.push_back(workspace.ImagePath(name));
@@ -52,7 +39,7 @@ void UndistortIntoWorkspace(const colmap::Reconstruction& reconstruction,
         return journal->IsIntact(file);
       });
   if (is_complete) {
-    return;
+    return ReadWrittenModel(reconstruction, workspace.SparsePath());
   }
   fs::remove_all(workspace.ImagesPath());
   fs::remove_all(workspace.SparsePath());
@@ -73,7 +60,8 @@ void UndistortIntoWorkspace(const colmap::Reconstruction& reconstruction,
           return report(num_done);
         });
   }
-  CheckWrittenModel(reconstruction, ReadBack(workspace.SparsePath()));
+  colmap::Reconstruction undistorted =
+      ReadWrittenModel(reconstruction, workspace.SparsePath());
   for (const std::string& file : files) {
     if (IsCutOff(file)) {
       throw std::runtime_error("The image " + file +
@@ -81,6 +69,7 @@ void UndistortIntoWorkspace(const colmap::Reconstruction& reconstruction,
     }
     journal->Add(file);
   }
+  return undistorted;
 }
 
 }  // namespace structnerf

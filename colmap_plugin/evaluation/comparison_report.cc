@@ -75,25 +75,17 @@ class RowMaker {
          {value(comparison_.workspaces[0]), value(comparison_.workspaces[1])}});
   }
 
-  void AddMetric(const std::string& name,
-                 const char* format,
-                 const std::function<double(const SplitDepthMetrics&)>& value) {
+  // The value may be unknown.
+  void AddMetric(
+      const std::string& name,
+      const char* format,
+      const std::function<std::optional<double>(const SplitDepthMetrics&)>&
+          value) {
     Add(name, [&](const ComparedWorkspace& workspace) {
       const SplitDepthMetrics* metrics = MetricsOf(workspace);
-      return metrics == nullptr ? std::string(kUnknown)
-                                : FormatNumber(format, value(*metrics));
-    });
-  }
-
-  // Likewise, of predictions only.
-  void AddError(const std::string& name,
-                const char* format,
-                const std::function<double(const SplitDepthMetrics&)>& value) {
-    Add(name, [&](const ComparedWorkspace& workspace) {
-      const SplitDepthMetrics* metrics = MetricsOf(workspace);
-      return metrics == nullptr || metrics->all.num_predictions == 0
-                 ? std::string(kUnknown)
-                 : FormatNumber(format, value(*metrics));
+      const std::optional<double> known =
+          metrics == nullptr ? std::nullopt : value(*metrics);
+      return known ? FormatNumber(format, *known) : std::string(kUnknown);
     });
   }
 
@@ -122,15 +114,25 @@ void AddTruthRows(RowMaker* rows) {
   percent_within("Within 5 cm, % of the untextured ones",
                  1,
                  &SplitDepthMetrics::untextured);
-  rows->AddError("Median error, cm, where there is depth",
-                 "%.2f",
-                 [](const SplitDepthMetrics& metrics) {
-                   return 100 * metrics.all.median_error;
-                 });
-  rows->AddError(
-      "RMSE, m, where there is depth",
-      "%.3f",
-      [](const SplitDepthMetrics& metrics) { return metrics.all.rmse; });
+  const auto error = [&](const std::string& name,
+                         const char* format,
+                         const double factor,
+                         double DepthMetrics::*part) {
+    rows->AddMetric(
+        name,
+        format,
+        [=](const SplitDepthMetrics& metrics) -> std::optional<double> {
+          if (metrics.all.num_predictions == 0) {
+            return std::nullopt;
+          }
+          return factor * metrics.all.*part;
+        });
+  };
+  error("Median error, cm, where there is depth",
+        "%.2f",
+        100,
+        &DepthMetrics::median_error);
+  error("RMSE, m, where there is depth", "%.3f", 1, &DepthMetrics::rmse);
   rows->Add(
       "F-score of the cloud at 5 cm, %",
       [](const ComparedWorkspace& workspace) {

@@ -55,24 +55,27 @@ std::string ErrorText(const TradeoffScene& scene) {
   }
 }
 
-double MeanCpuSeconds(const MeasuredSetting& setting) {
+// Over all seeds.
+double Mean(const std::vector<TradeoffMeasurement>& measurements,
+            double TradeoffMeasurement::*value) {
   double sum = 0;
-  for (const TradeoffMeasurement& measurement : setting.measurements) {
-    sum += measurement.cpu_seconds;
+  for (const TradeoffMeasurement& measurement : measurements) {
+    sum += measurement.*value;
   }
-  return sum / static_cast<double>(setting.measurements.size());
+  return sum / static_cast<double>(measurements.size());
 }
 
-// -1 = none.
-double MeanHeldOutPsnr(const MeasuredSetting& setting) {
-  double sum = 0;
-  for (const TradeoffMeasurement& measurement : setting.measurements) {
-    if (measurement.held_out_psnr < 0) {
-      return -1;
-    }
-    sum += measurement.held_out_psnr;
-  }
-  return sum / static_cast<double>(setting.measurements.size());
+std::string HeldOutPsnrText(
+    const std::vector<TradeoffMeasurement>& measurements) {
+  const bool is_known = std::all_of(measurements.begin(),
+                                    measurements.end(),
+                                    [](const TradeoffMeasurement& measurement) {
+                                      return measurement.held_out_psnr >= 0;
+                                    });
+  return is_known ? FormatNumber(
+                        "%.2f",
+                        Mean(measurements, &TradeoffMeasurement::held_out_psnr))
+                  : "-";
 }
 
 size_t PeakBytes(const MeasuredSetting& setting) {
@@ -139,18 +142,20 @@ std::string TradeoffHtml(const TradeoffScene& scene,
                                                  "on the front"}};
   std::vector<HtmlPicture> pictures;
   for (size_t i = 0; i < settings.size(); ++i) {
-    const double psnr = MeanHeldOutPsnr(settings[i]);
+    const std::vector<TradeoffMeasurement>& measurements =
+        settings[i].measurements;
     rows.push_back(
         {points[i].name,
          DurationText(points[i].seconds),
-         FormatNumber("%.1f", MeanCpuSeconds(settings[i])),
+         FormatNumber("%.1f",
+                      Mean(measurements, &TradeoffMeasurement::cpu_seconds)),
          FormatNumber(
              "%.2f", static_cast<double>(PeakBytes(settings[i])) / kBytesPerGb),
          FormatNumber("%.1f", 100 * points[i].error) + " (" +
              FormatNumber("%.1f", 100 * points[i].min_error) + " to " +
              FormatNumber("%.1f", 100 * points[i].max_error) + ")",
-         psnr < 0 ? "-" : FormatNumber("%.2f", psnr),
-         std::to_string(settings[i].measurements.size()),
+         HeldOutPsnrText(measurements),
+         std::to_string(measurements.size()),
          is_on_front[i] ? "yes" : "no"});
     const cv::Mat3b picture =
         cv::imread(TradeoffPicturePath(scene, settings[i].setting, /*seed=*/0));
@@ -174,14 +179,12 @@ TradeoffPoint MeasuredSetting::Point() const {
   TradeoffPoint point;
   point.name = setting.name;
   point.min_error = 1;
+  point.seconds = Mean(measurements, &TradeoffMeasurement::seconds);
+  point.error = Mean(measurements, &TradeoffMeasurement::error);
   for (const TradeoffMeasurement& measurement : measurements) {
-    point.seconds += measurement.seconds;
-    point.error += measurement.error;
     point.min_error = std::min(point.min_error, measurement.error);
     point.max_error = std::max(point.max_error, measurement.error);
   }
-  point.seconds /= static_cast<double>(measurements.size());
-  point.error /= static_cast<double>(measurements.size());
   return point;
 }
 

@@ -16,6 +16,18 @@ namespace structnerf {
 
 enum class Activation { kNone, kRectify, kSigmoid };
 
+// sum + the product of a row with the first `count` rows of a column.
+STRUCTNERF_HOST_DEVICE inline float AddRowTimesColumn(const float* row,
+                                                      const float* column,
+                                                      const uint32_t stride,
+                                                      const uint32_t count,
+                                                      float sum) {
+  for (uint32_t k = 0; k < count; ++k) {
+    sum += row[k] * column[k * stride];
+  }
+  return sum;
+}
+
 // Call i writes element i of y, rows x num_outputs.
 struct DenseForwardKernel {
   const float* x;  // rows x num_inputs
@@ -32,11 +44,11 @@ struct DenseForwardKernel {
     const size_t row = i / num_outputs;
     const uint32_t column = static_cast<uint32_t>(i % num_outputs);
     const size_t bias_row = rows_per_bias == 0 ? 0 : row / rows_per_bias;
-    float sum = b[bias_row * num_outputs + column];
-    const float* const inputs = x + row * num_inputs;
-    for (uint32_t k = 0; k < num_inputs; ++k) {
-      sum += inputs[k] * w[k * w_stride + column];
-    }
+    float sum = AddRowTimesColumn(x + row * num_inputs,
+                                  w + column,
+                                  w_stride,
+                                  num_inputs,
+                                  b[bias_row * num_outputs + column]);
     if (activation == Activation::kRectify) {
       sum = sum > 0 ? sum : 0.0f;
     } else if (activation == Activation::kSigmoid) {
@@ -75,12 +87,11 @@ struct DenseBackwardInputKernel {
     }
     const size_t row = i / num_inputs;
     const uint32_t column = static_cast<uint32_t>(i % num_inputs);
-    const float* const outputs = dy + row * num_outputs;
-    float sum = 0;
-    for (uint32_t k = 0; k < num_outputs; ++k) {
-      sum += outputs[k] * w_transposed[k * num_inputs + column];
-    }
-    dx[i] = sum;
+    dx[i] = AddRowTimesColumn(dy + row * num_outputs,
+                              w_transposed + column,
+                              num_inputs,
+                              num_outputs,
+                              /*sum=*/0);
   }
 };
 

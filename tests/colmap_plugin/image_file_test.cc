@@ -1,9 +1,9 @@
 #include "colmap_plugin/image_file.h"
 
 #include "tests/support/temp_dir.h"
+#include "tests/support/text_file.h"
 
 #include <fstream>
-#include <iterator>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -33,11 +33,6 @@ TEST(ImageFile, WhatIsNoImageIsEmpty) {
   }
 }
 
-std::string ReadBytes(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 TEST(ImageFile, CutOffImagesAreNoticed) {
   const TempDir temp_dir;
   cv::Mat3b image(64, 64);
@@ -47,7 +42,7 @@ TEST(ImageFile, CutOffImagesAreNoticed) {
     const std::string path = temp_dir / name;
     cv::imwrite(path, image);
     EXPECT_FALSE(IsCutOff(path));
-    const std::string whole = ReadBytes(path);
+    const std::string whole = ReadText(path);
     for (const size_t size :
          {whole.size() - 1, whole.size() / 2, size_t{200}, size_t{8}}) {
       std::ofstream(path, std::ios::binary) << whole.substr(0, size);
@@ -65,7 +60,7 @@ TEST(ImageFile, TheEndOfAThumbnailIsNotThatOfThePhotograph) {
   cv::Mat3b image(64, 64);
   cv::randu(image, 0, 255);
   cv::imwrite(path, image);
-  const std::string whole = ReadBytes(path);
+  const std::string whole = ReadText(path);
   const std::string head = {
       '\xff', '\xe1', '\0', '\x06', '\0', '\xff', '\xd9', '\0'};
   const std::string with_thumbnail =

@@ -1,7 +1,8 @@
 #include "nerf/planes/plane_votes.h"
 
+#include "nerf/view_selection.h"
+
 #include <algorithm>
-#include <numeric>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -27,12 +28,6 @@ std::vector<std::vector<int>> SourcesInARow(const int num_views) {
   return sources;
 }
 
-std::vector<int> FirstNumbers(const int count) {
-  std::vector<int> numbers(count);
-  std::iota(numbers.begin(), numbers.end(), 0);
-  return numbers;
-}
-
 TEST(SelectVoters, AreAllOthersOfASmallScene) {
   EXPECT_THAT(SelectVoters(1, {0, 1, 2, 3}, SourcesInARow(4)),
               ElementsAre(0, 2, 3));
@@ -43,14 +38,16 @@ TEST(SelectVoters, AreAllOthersOfASmallScene) {
   EXPECT_THAT(SelectVoters(2, {0, 1, 3}, {{}, {}, {}, {}}),
               ElementsAre(0, 1, 3));
   constexpr int kNumFew = static_cast<int>(kMaxVoters) + 1;
-  EXPECT_THAT(SelectVoters(0, FirstNumbers(kNumFew), SourcesInARow(kNumFew)),
+  EXPECT_THAT(SelectVoters(0,
+                           TrainedViewIdxs(kNumFew, /*test_every=*/0),
+                           SourcesInARow(kNumFew)),
               SizeIs(kMaxVoters));
 }
 
 TEST(SelectVoters, AreTheNearestOfALargeScene) {
   constexpr int kMiddle = 500;
-  const std::vector<int> voters =
-      SelectVoters(kMiddle, FirstNumbers(1000), SourcesInARow(1000));
+  const std::vector<int> voters = SelectVoters(
+      kMiddle, TrainedViewIdxs(1000, /*test_every=*/0), SourcesInARow(1000));
   EXPECT_THAT(voters, SizeIs(kMaxVoters));
   EXPECT_EQ(std::count(voters.begin(), voters.end(), kMiddle), 0);
   const int reach = static_cast<int>(kMaxVoters) / 2;
@@ -62,9 +59,10 @@ TEST(SelectVoters, AreFewerWhereNoSourceLeadsFarther) {
   std::vector<std::vector<int>> sources(1000);
   sources[3] = {7, 9};
   sources[9] = {3, 11};
-  EXPECT_THAT(SelectVoters(3, FirstNumbers(1000), sources),
+  EXPECT_THAT(SelectVoters(3, TrainedViewIdxs(1000, /*test_every=*/0), sources),
               ElementsAre(7, 9, 11));
-  EXPECT_THAT(SelectVoters(0, FirstNumbers(1000), sources), SizeIs(0));
+  EXPECT_THAT(SelectVoters(0, TrainedViewIdxs(1000, /*test_every=*/0), sources),
+              SizeIs(0));
 }
 
 TEST(PlaneLattice, CoversTheView) {
